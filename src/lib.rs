@@ -1,0 +1,28 @@
+//! nephrite: a path tracer for glTF 2.0, made for light that travels below surfaces.
+//!
+//! Data flows one way through the rooms of this crate:
+//!
+//! ```text
+//! .gltf/.glb ──asset──▶ Scene ──transport──▶ Film ──film──▶ .exr .png
+//!               ▲ extension     ▲ subsurface
+//!                               │ light, optics, geometry, sampling
+//! ```
+//!
+//! [`asset`] and [`extension`] turn files into a [`scene::SceneDescription`] and never trace a ray;
+//! [`transport`], [`subsurface`], [`optics`] and [`geometry`] never see glTF. Two seams take plug-ins:
+//! [`extension::Extension`] (one file a glTF extension) and [`subsurface::SubsurfaceModel`] (one file a model).
+//!
+//! Units: metres, radians, radiance in W/(m² sr) up to a common scale, coefficients in 1/m, colour in linear
+//! Rec. 709. Directions in shading point away from the surface. `eta` is inside over outside.
+
+pub mod asset;
+pub mod cli;
+pub mod extension;
+pub mod film;
+pub mod geometry;
+pub mod light;
+pub mod optics;
+pub mod sampling;
+pub mod scene;
+pub mod subsurface;
+pub mod transport;

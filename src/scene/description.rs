@@ -1,0 +1,330 @@
+//! A scene as plain data: meshes, materials, textures, instances, cameras and lights, in world units.
+//!
+//! The loader fills it, tests build it by hand, and the tracer compiles it. Nothing here knows glTF beyond the
+//! meaning of its parameters, and nothing here traces a ray. Indices refer to the vectors of [`SceneDescription`].
+
+use glam::{Affine2, Affine3A, Vec2, Vec3, Vec4};
+
+/// Everything that can be seen, as plain data.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDescription {
+    /// Geometry, shared by instances.
+    pub meshes: Vec<MeshDescription>,
+    /// Materials; triangles without one use [`MaterialDescription::default`].
+    pub materials: Vec<MaterialDescription>,
+    /// Textures: an image with a sampler.
+    pub textures: Vec<TextureDescription>,
+    /// Decoded images.
+    pub images: Vec<ImageData>,
+    /// Placed meshes. One instance is one *object*: exit points are searched on, and media belong to, an object.
+    pub instances: Vec<InstanceDescription>,
+    /// Cameras, in the order of the file's node traversal.
+    pub cameras: Vec<CameraDescription>,
+    /// Point, spot and directional lights.
+    pub lights: Vec<PunctualLight>,
+    /// Light from infinitely far away.
+    pub environment: EnvironmentDescription,
+}
+
+/// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as
+/// long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct MeshDescription {
+    /// Name for messages.
+    pub name: String,
+    /// JSON pointer of the source, for messages.
+    pub pointer: String,
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals; empty means flat shading.
+    pub normals: Vec<Vec3>,
+    /// Unit tangents and the sign of the bitangent in `w`; empty where no normal map needs them.
+    pub tangents: Vec<Vec4>,
+    /// Texture coordinate sets.
+    pub uvs: Vec<Vec<Vec2>>,
+    /// Linear vertex colours.
+    pub colors: Vec<Vec4>,
+    /// Vertex indices, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material of each triangle ([`NO_MATERIAL`] for the default), as long as `triangles`.
+    pub triangle_materials: Vec<u32>,
+}
+
+/// The material index of a triangle that names no material.
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// A mesh placed in the world.
+#[derive(Clone, Debug)]
+pub struct InstanceDescription {
+    /// Name for messages (the node's).
+    pub name: String,
+    /// JSON pointer of the node.
+    pub pointer: String,
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// Mesh space to world space; any invertible affine map, mirrored ones included.
+    pub transform: Affine3A,
+}
+
+/// Decoded pixels, row 0 at the top, tightly packed.
+#[derive(Clone, Debug)]
+pub struct ImageData {
+    /// Name or URI for messages.
+    pub name: String,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Four channels a pixel.
+    pub pixels: ImagePixels,
+}
+
+/// Storage of an image's RGBA pixels; `width * height * 4` numbers.
+#[derive(Clone, Debug)]
+pub enum ImagePixels {
+    /// 8 bits a channel.
+    Rgba8(Vec<u8>),
+    /// 16 bits a channel.
+    Rgba16(Vec<u16>),
+    /// Linear floating point.
+    Rgba32F(Vec<f32>),
+}
+
+/// How a texture coordinate outside \[0, 1\] is brought back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// Tile.
+    #[default]
+    Repeat,
+    /// Tile, every other one mirrored.
+    MirroredRepeat,
+    /// The edge texel.
+    ClampToEdge,
+}
+
+/// An image with its sampler.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureDescription {
+    /// Index of the image.
+    pub image: usize,
+    /// Wrapping of u.
+    pub wrap_u: Wrap,
+    /// Wrapping of v.
+    pub wrap_v: Wrap,
+    /// Whether texels are blended bilinearly (otherwise the nearest is taken).
+    pub linear_filter: bool,
+}
+
+/// What the numbers of a texture mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorSpace {
+    /// The RGB channels are sRGB encoded (alpha never is).
+    Srgb,
+    /// The numbers are the data.
+    Linear,
+}
+
+/// A reference from a material to a texture.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureRef {
+    /// Index of the texture.
+    pub texture: usize,
+    /// Texture coordinate set.
+    pub uv_set: usize,
+    /// KHR_texture_transform as one affine map of (u, v).
+    pub transform: Affine2,
+    /// How to decode it.
+    pub color_space: ColorSpace,
+}
+
+/// How alpha is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Present where alpha ≥ cutoff.
+    Mask(f32),
+    /// Coverage: a fraction alpha of the light meets the surface.
+    Blend,
+}
+
+/// A material: the glTF metallic-roughness model, a transmissive boundary, and what is below it.
+#[derive(Clone, Debug)]
+pub struct MaterialDescription {
+    /// Name for messages.
+    pub name: String,
+    /// JSON pointer of the source, for messages.
+    pub pointer: String,
+    /// Linear base colour and alpha.
+    pub base_color: Vec4,
+    /// Multiplies `base_color`.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness; GGX alpha is its square.
+    pub roughness: f32,
+    /// Multiplies roughness (G) and metallic (B).
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the x and y of `normal_texture`.
+    pub normal_scale: f32,
+    /// Emitted radiance.
+    pub emission: Vec3,
+    /// Multiplies `emission`.
+    pub emission_texture: Option<TextureRef>,
+    /// Use of alpha.
+    pub alpha_mode: AlphaMode,
+    /// Shaded and emitting on both sides.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: the base colour is what the camera sees.
+    pub unlit: bool,
+    /// Index of refraction of the boundary.
+    pub ior: f32,
+    /// Strength of the dielectric specular reflection (KHR_materials_specular's factor; 1 without it).
+    pub specular: f32,
+    /// Colour of the dielectric reflection at normal incidence (KHR_materials_specular; white without it).
+    pub specular_color: Vec3,
+    /// Fraction of the non-reflected light that goes through instead of to the diffuse base.
+    pub transmission: f32,
+    /// Multiplies `transmission` (R).
+    pub transmission_texture: Option<TextureRef>,
+    /// The medium inside; `None` with `transmission > 0` is a thin wall that does not refract.
+    pub medium: Option<MediumDescription>,
+}
+
+impl Default for MaterialDescription {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            pointer: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: Vec3::ONE,
+            transmission: 0.0,
+            transmission_texture: None,
+            medium: None,
+        }
+    }
+}
+
+/// What fills the inside of a closed mesh: coefficients per world metre, before textures.
+#[derive(Clone, Debug)]
+pub struct MediumDescription {
+    /// Absorption coefficient, 1/m, ≥ 0 (density already multiplied in).
+    pub sigma_a: Vec3,
+    /// Scattering coefficient, 1/m, ≥ 0 (density already multiplied in).
+    pub sigma_s: Vec3,
+    /// Mean cosine of Henyey–Greenstein, in (−1, 1).
+    pub anisotropy: f32,
+    /// Index of refraction of the medium and its boundary, ≥ 1.
+    pub ior: f32,
+    /// Where closed meshes overlap, the higher priority fills the overlap.
+    pub priority: i32,
+    /// Multiplies `sigma_a` at the nearest boundary point.
+    pub absorption_texture: Option<TextureRef>,
+    /// Multiplies `sigma_s` at the nearest boundary point.
+    pub scattering_texture: Option<TextureRef>,
+}
+
+/// A camera: looks along −Z of its own frame, +Y up.
+#[derive(Clone, Debug)]
+pub struct CameraDescription {
+    /// Name (the camera's, else the node's).
+    pub name: String,
+    /// Camera to world, rotation and translation only.
+    pub transform: Affine3A,
+    /// Lens.
+    pub projection: Projection,
+}
+
+/// A camera's lens. The image's own aspect ratio sets the horizontal extent.
+#[derive(Clone, Copy, Debug)]
+pub enum Projection {
+    /// Pinhole with a full vertical field of view in radians.
+    Perspective {
+        /// Full vertical angle, radians, in (0, π).
+        yfov: f32,
+        /// The file's own aspect ratio, if it gave one (a hint for the default image size).
+        aspect: Option<f32>,
+    },
+    /// Parallel rays; `ymag` is half the height of the view in metres.
+    Orthographic {
+        /// Half height, metres.
+        ymag: f32,
+        /// The file's `xmag / ymag` (a hint for the default image size).
+        aspect: Option<f32>,
+    },
+}
+
+/// A light without size, in the units of KHR_lights_punctual.
+#[derive(Clone, Debug)]
+pub struct PunctualLight {
+    /// Name for messages.
+    pub name: String,
+    /// Linear colour × intensity: candela for point and spot, lux for directional.
+    pub intensity: Vec3,
+    /// World position (point and spot).
+    pub position: Vec3,
+    /// Unit world direction in which the light shines (spot and directional).
+    pub direction: Vec3,
+    /// Distance beyond which a point or spot light has no effect (KHR_lights_punctual's windowed fall-off).
+    pub range: Option<f32>,
+    /// Which kind.
+    pub kind: PunctualKind,
+}
+
+/// The kinds of punctual light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PunctualKind {
+    /// All directions.
+    Point,
+    /// A cone, angles in radians from the axis.
+    Spot {
+        /// Full strength inside.
+        inner: f32,
+        /// Nothing outside.
+        outer: f32,
+    },
+    /// Parallel light.
+    Directional,
+}
+
+/// Light from infinitely far away.
+#[derive(Clone, Debug)]
+pub enum EnvironmentDescription {
+    /// The same radiance from everywhere (zero for none).
+    Constant(Vec3),
+    /// An equirectangular map: u = atan2(d.z, d.x)/2π + ½, v = ½ + asin(d.y)/π from the bottom; row 0 is the top.
+    Map {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Linear radiance, `width * height`.
+        pixels: Vec<Vec3>,
+        /// Multiplies the radiance.
+        scale: Vec3,
+        /// Rotation of the map about +Y, radians.
+        rotation: f32,
+    },
+}
+
+impl Default for EnvironmentDescription {
+    fn default() -> Self {
+        Self::Constant(Vec3::ZERO)
+    }
+}

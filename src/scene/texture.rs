@@ -1,0 +1,1 @@
+//! Texture look-ups: wrap and filter modes of glTF samplers over decoded images.
