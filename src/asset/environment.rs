@@ -1,0 +1,250 @@
+//! Environment images: `.hdr` and `.exr` files as [`EnvironmentDescription::Map`].
+//!
+//! Equirectangular, row 0 at the top. Radiance must be finite and not negative; texels that are not become 0 and are
+//! counted. EXR: `R`, `G`, `B` of the first part that has them, any sample type; `Y` alone is grey; alpha is ignored.
+
+use crate::scene::EnvironmentDescription;
+use glam::Vec3;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// The largest number of texels that is read: 16384 × 8192, 1.5 GB as floats.
+pub const MAX_ENVIRONMENT_TEXELS: usize = 1 << 27;
+
+/// An environment image and what was wrong with it.
+#[derive(Clone, Debug)]
+pub struct LoadedEnvironment {
+    /// The map, with scale 1 and rotation 0.
+    pub environment: EnvironmentDescription,
+    /// Texels with a NaN, infinite or negative channel; that channel became 0.
+    pub replaced_texels: usize,
+    /// Whether the image is twice as wide as high, as an equirectangular map should be.
+    pub is_two_to_one: bool,
+}
+
+/// Why an environment image could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum EnvironmentError {
+    /// The file could not be opened.
+    #[error("cannot open the environment {}: {source}", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Neither `.hdr` nor `.exr`.
+    #[error("cannot read the environment {}: the formats known are .hdr and .exr", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is broken or not what its extension says.
+    #[error("cannot read the environment {}: {message}", path.display())]
+    Decode {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// More than [`MAX_ENVIRONMENT_TEXELS`].
+    #[error(
+        "the environment {} has {width} × {height} texels; at most {MAX_ENVIRONMENT_TEXELS} are read \
+         (16384 × 8192): scale it down", path.display()
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Texels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+}
+
+/// Reads an equirectangular `.hdr` or `.exr` image.
+pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, EnvironmentError> {
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let (width, height, mut pixels) = match extension.as_deref() {
+        Some("hdr") => read_hdr(path)?,
+        Some("exr") => read_exr(path)?,
+        _ => return Err(EnvironmentError::UnknownFormat { path: path.to_owned() }),
+    };
+    let mut replaced_texels = 0;
+    for pixel in &mut pixels {
+        let clean = pixel.to_array().map(|c| if c.is_finite() && c >= 0.0 { c } else { 0.0 });
+        if clean != pixel.to_array() {
+            *pixel = Vec3::from_array(clean);
+            replaced_texels += 1;
+        }
+    }
+    Ok(LoadedEnvironment {
+        environment: EnvironmentDescription::Map { width, height, pixels, scale: Vec3::ONE, rotation: 0.0 },
+        replaced_texels,
+        is_two_to_one: width == 2 * height,
+    })
+}
+
+type Texels = (usize, usize, Vec<Vec3>);
+
+fn open(path: &Path) -> Result<BufReader<File>, EnvironmentError> {
+    match File::open(path) {
+        Ok(file) => Ok(BufReader::new(file)),
+        Err(source) => Err(EnvironmentError::Open { path: path.to_owned(), source }),
+    }
+}
+
+fn check_size(path: &Path, width: usize, height: usize) -> Result<(), EnvironmentError> {
+    match width.checked_mul(height) {
+        Some(0) => Err(decode_error(path, "it has no pixels")),
+        Some(n) if n <= MAX_ENVIRONMENT_TEXELS => Ok(()),
+        _ => Err(EnvironmentError::TooLarge { path: path.to_owned(), width, height }),
+    }
+}
+
+fn decode_error(path: &Path, message: impl ToString) -> EnvironmentError {
+    EnvironmentError::Decode { path: path.to_owned(), message: message.to_string() }
+}
+
+fn read_hdr(path: &Path) -> Result<Texels, EnvironmentError> {
+    let decoder = image::codecs::hdr::HdrDecoder::new(open(path)?).map_err(|e| decode_error(path, e))?;
+    let (width, height) = (decoder.metadata().width as usize, decoder.metadata().height as usize);
+    check_size(path, width, height)?;
+    let image = image::DynamicImage::from_decoder(decoder).map_err(|e| decode_error(path, e))?;
+    let pixels = image.into_rgb32f().pixels().map(|p| Vec3::from_array(p.0)).collect();
+    Ok((width, height, pixels))
+}
+
+fn read_exr(path: &Path) -> Result<Texels, EnvironmentError> {
+    use ::exr::prelude::*;
+    let failed = |e: ::exr::error::Error| decode_error(path, e);
+
+    let meta = MetaData::read_from_buffered(open(path)?, false).map_err(failed)?;
+    for header in &meta.headers {
+        check_size(path, header.layer_size.width(), header.layer_size.height())?;
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(open(path)?)
+        .map_err(failed)?;
+    for layer in &image.layer_data {
+        let (width, height) = (layer.size.width(), layer.size.height());
+        let channel = |name: &str| {
+            (layer.channel_data.list.iter())
+                .find(|c| c.name.eq(name) && c.sampling == Vec2(1, 1))
+                .map(|c| c.sample_data.values_as_f32().collect::<Vec<f32>>())
+        };
+        let pixels: Vec<Vec3> = match (channel("R"), channel("G"), channel("B"), channel("Y")) {
+            (Some(r), Some(g), Some(b), _) => {
+                r.into_iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b)).collect()
+            }
+            (None, None, None, Some(y)) => y.into_iter().map(Vec3::splat).collect(),
+            _ => continue,
+        };
+        return Ok((width, height, pixels));
+    }
+    Err(decode_error(path, "no part of it has the channels R, G, B or Y"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{Channel, Film, Layer, WriteOptions, write};
+
+    fn film(width: u32, height: u32) -> Film {
+        let mut film = Film::new(width, height);
+        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+            *pixel = Vec3::new(i as f32, 0.5, 100.0 / (1.0 + i as f32));
+        }
+        film
+    }
+
+    fn texels(loaded: LoadedEnvironment) -> (usize, usize, Vec<Vec3>) {
+        match loaded.environment {
+            EnvironmentDescription::Map { width, height, pixels, .. } => (width, height, pixels),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn exr_of_either_precision_and_hdr_are_read_row_by_row() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut film = film(8, 4);
+        film.alpha = Some(vec![0.0; 32]);
+        film.layers = vec![Layer {
+            name: "depth".to_owned(),
+            channels: vec![Channel { name: "Z".to_owned(), values: vec![1.0; 32] }],
+        }];
+        for (name, float, tolerance) in
+            [("a.exr", true, 0.0), ("b.exr", false, 1e-3), ("c.HDR", true, 1.0 / 128.0)]
+        {
+            let path = folder.path().join(name);
+            write(&path, &film, &WriteOptions { float, ..Default::default() }).unwrap();
+            let loaded = load_environment(&path).unwrap();
+            assert!(loaded.is_two_to_one && loaded.replaced_texels == 0);
+            let (width, height, pixels) = texels(loaded);
+            assert_eq!((width, height), (8, 4));
+            for (read, expected) in pixels.iter().zip(&film.pixels) {
+                let error = (*read - *expected).abs().max_element();
+                assert!(error <= tolerance * expected.max_element(), "{name}: {read} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn negative_texels_become_black_and_are_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let mut film = film(3, 3);
+        film.pixels[2] = Vec3::new(-1.0, 2.0, -0.5);
+        write(&path, &film, &WriteOptions { float: true, ..Default::default() }).unwrap();
+        let loaded = load_environment(&path).unwrap();
+        assert!(!loaded.is_two_to_one);
+        assert_eq!(loaded.replaced_texels, 1);
+        assert_eq!(texels(loaded).2[2], Vec3::new(0.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn grey_exr_is_read_from_its_luminance() {
+        use ::exr::prelude::*;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("y.exr");
+        let luminance = AnyChannel::new("Y", FlatSamples::U32(vec![1, 2]));
+        Image::from_channels((2, 1), AnyChannels::sort(smallvec(luminance))).write().to_file(&path).unwrap();
+        assert_eq!(texels(load_environment(&path).unwrap()).2, [Vec3::ONE, Vec3::splat(2.0)]);
+    }
+
+    fn smallvec<T>(value: T) -> ::exr::prelude::SmallVec<[T; 4]> {
+        let mut list = ::exr::prelude::SmallVec::new();
+        list.push(value);
+        list
+    }
+
+    #[test]
+    fn broken_missing_and_unknown_files_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.exr", "a.hdr"] {
+            let path = folder.path().join(name);
+            assert!(matches!(load_environment(&path), Err(EnvironmentError::Open { .. })));
+            for garbage in
+                [&b""[..], b"not an image", b"\x76\x2f\x31\x01\x02\0\0\0\0", b"#?RADIANCE\n\n-Y 9 +X 9\n"]
+            {
+                std::fs::write(&path, garbage).unwrap();
+                let error = load_environment(&path).unwrap_err();
+                assert!(matches!(error, EnvironmentError::Decode { .. }), "{error}");
+                assert!(error.to_string().contains(name));
+            }
+        }
+        let huge = folder.path().join("huge.hdr");
+        std::fs::write(&huge, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000 +X 1000000\n").unwrap();
+        let error = load_environment(&huge).unwrap_err();
+        assert!(matches!(error, EnvironmentError::TooLarge { .. }), "{error}");
+        let error = load_environment(Path::new("sky.jpg")).unwrap_err();
+        assert!(error.to_string().contains(".hdr and .exr"), "{error}");
+    }
+}
