@@ -1,8 +1,20 @@
 //! The immutable scene: what the tracer sees once a file has been read.
 //!
-//! [`description`] is plain data, the contract between the loader and the tracer; [`texture`] evaluates images.
+//! [`description`] is plain data, the contract between the loader and the tracer. [`Scene::build`] compiles it:
+//! acceleration structures, lights, and for every object with a medium what transport wants to know (is it closed,
+//! does it contain anything else, which of two overlapping objects wins).
 
+mod camera;
+mod compile;
 pub mod description;
+mod material;
+mod object;
+mod surface;
 pub mod texture;
 
+pub use camera::{Camera, auto_camera};
+pub use compile::{Scene, SceneError};
 pub use description::*;
+pub use material::Shading;
+pub use object::Object;
+pub use surface::Surface;

@@ -1,1 +1,145 @@
-//! TODO
+//! Subsurface models: where does light that left an object come in?
+//!
+//! **Plug-in seam.** A model is one file with one [`SubsurfaceModel`], and one line in [`Registry::standard`]; a model
+//! from another crate goes through [`Registry::register`]. The path tracer asks a model one question, once per
+//! flight below a surface: *this path is inside this object at this point, going this way: where does it arrive
+//! next?* ([`Propagator::propagate`]). The random walk answers with the boundary point it meets from inside; a BSSRDF
+//! answers with an exit point and a diffuse lobe. Emission, light sampling, nesting and whole scenes are the path
+//! tracer's business, so every model works everywhere.
+//!
+//! Throughput carries radiance from the camera: the boundary has already divided it by η² on the way in. A model that
+//! answers [`Arrival::Exit`] multiplies by η² to bring it out again.
+
+mod random_walk;
+mod textured;
+
+pub use random_walk::RandomWalk;
+pub use textured::TexturedMedium;
+
+use crate::geometry::Hit;
+use crate::optics::Medium;
+use crate::sampling::Sampler;
+use crate::scene::{Object, Scene, Surface};
+use crate::transport::Enclosure;
+use glam::Vec3;
+
+/// A flight below a surface: which object, which medium.
+pub struct Flight<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The object around the path and the material through which it was entered.
+    pub enclosure: Enclosure,
+    /// The object's properties.
+    pub object: &'a Object,
+    /// What fills it (before textures).
+    pub medium: &'a Medium,
+    /// Scattering events the path may still have.
+    pub budget: u32,
+}
+
+/// The moving end of a path, in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct PathHead {
+    /// Where it is.
+    pub position: Vec3,
+    /// Unit direction of travel (away from the camera).
+    pub direction: Vec3,
+    /// Weight of what it will find, for each channel.
+    pub throughput: Vec3,
+    /// Scattering events of this flight.
+    pub events: u32,
+    /// The surface point that the head has just left (at `position`, up to rounding): a walk in the object's own space
+    /// starts there without the rounding of world space.
+    pub start: Option<Start>,
+}
+
+/// A point of an instance's mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// The instance.
+    pub instance: u32,
+    /// The triangle of its mesh.
+    pub triangle: u32,
+    /// Barycentric coordinates of vertices 1 and 2.
+    pub barycentric: glam::Vec2,
+}
+
+/// How a flight ended.
+#[derive(Debug)]
+pub enum Arrival {
+    /// A surface was met: the object's own boundary from inside, or anything else in the medium.
+    Surface(Hit),
+    /// A BSSRDF: the light came in at this point of the object through a diffuse lobe on its outside, with the weight
+    /// already in the throughput.
+    Exit(Box<Surface>),
+    /// Nothing was met: the mesh is open.
+    Escaped,
+    /// The path ended: absorbed, or out of its budget of events.
+    Ended,
+}
+
+/// Light at the scattering events of a flight, for media into which lights can be connected directly.
+pub trait Connector {
+    /// Called at each scattering event, after the throughput has been multiplied by the albedo: `incoming` is the
+    /// direction of travel before the event, `g` the mean cosine of the phase function.
+    fn scattered(&mut self, point: Vec3, incoming: Vec3, throughput: Vec3, g: f32, sampler: &mut Sampler);
+    /// Called with the direction chosen and its phase-function density, so that hits by chance can be weighted.
+    fn redirected(&mut self, point: Vec3, pdf: f32);
+}
+
+/// A model made ready for one scene.
+pub trait Propagator: Send + Sync {
+    /// Follows the path from `head` to where it arrives next. `connector` is given where lights can reach scattering
+    /// events in straight lines.
+    fn propagate(
+        &self,
+        flight: &Flight<'_>,
+        head: &mut PathHead,
+        sampler: &mut Sampler,
+        connector: Option<&mut dyn Connector>,
+    ) -> Arrival;
+}
+
+/// A subsurface model.
+pub trait SubsurfaceModel: Send + Sync {
+    /// Name on the command line.
+    fn name(&self) -> &str;
+    /// One line for `--help`.
+    fn summary(&self) -> &str;
+    /// Tables for the media of a scene.
+    fn prepare(&self, scene: &Scene) -> Box<dyn Propagator>;
+}
+
+/// The models a program offers.
+pub struct Registry {
+    models: Vec<Box<dyn SubsurfaceModel>>,
+}
+
+impl Registry {
+    /// All models of this crate.
+    pub fn standard() -> Self {
+        Self { models: vec![Box::new(RandomWalk)] }
+    }
+
+    /// Adds a model; one of the same name is replaced.
+    pub fn register(&mut self, model: Box<dyn SubsurfaceModel>) {
+        self.models.retain(|m| m.name() != model.name());
+        self.models.push(model);
+    }
+
+    /// The model of that name.
+    pub fn get(&self, name: &str) -> Option<&dyn SubsurfaceModel> {
+        self.models.iter().find(|m| m.name() == name).map(AsRef::as_ref)
+    }
+
+    /// All models, in the order of registration.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn SubsurfaceModel> {
+        self.models.iter().map(AsRef::as_ref)
+    }
+}
+
+impl Default for Registry {
+    fn default() -> Self {
+        Self::standard()
+    }
+}

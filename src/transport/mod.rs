@@ -1,1 +1,13 @@
-//! TODO
+//! The path tracer: next-event estimation, multiple importance sampling, media.
+//!
+//! [`render`] shares the pixels among threads; [`path`](self) follows one path; [`media`](self) keeps the stack of
+//! objects around it; [`direct`](self) connects vertices to lights. A picture is a function of (scene, options, seed):
+//! every pixel sums its samples in order, whatever the number of threads.
+
+mod direct;
+mod media;
+mod path;
+mod render;
+
+pub use media::{Crossing, Enclosure, MediumStack};
+pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};

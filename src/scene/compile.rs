@@ -1,0 +1,361 @@
+//! From [`SceneDescription`] to what the tracer runs on.
+
+use super::description::*;
+use super::object::Object;
+use super::surface::Surface;
+use super::texture::sample_texture;
+use crate::geometry::{Aabb, DistanceBound, GeometryError, Hit, MeshGeometry, SceneGeometry, Topology};
+use crate::light::{EmissionField, EmissiveRadiance, EmissiveTriangle, Lights};
+use crate::optics::Medium;
+use glam::{Mat3, Vec2, Vec3, Vec4};
+use std::sync::Arc;
+
+/// Why a description cannot be traced.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// Geometry that has no meaning.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// An index of the description points nowhere.
+    #[error("{pointer}: {what} {index} does not exist")]
+    Index {
+        /// Where.
+        pointer: String,
+        /// What was looked for.
+        what: &'static str,
+        /// The index.
+        index: usize,
+    },
+}
+
+/// A compiled scene: immutable, shared by all threads.
+pub struct Scene {
+    /// The data it was made from, with inside-out media turned.
+    pub description: Arc<SceneDescription>,
+    /// Acceleration structures.
+    pub geometry: SceneGeometry,
+    /// One for each instance.
+    pub objects: Vec<Object>,
+    /// Medium of each material, where it has one.
+    pub media: Vec<Option<Medium>>,
+    /// Topology of each mesh that holds a medium.
+    pub topologies: Vec<Option<Topology>>,
+    /// Light sources.
+    pub lights: Lights,
+    /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
+    pub has_see_through: bool,
+    pub(super) normal_matrices: Vec<Mat3>,
+    pub(super) mirrored: Vec<bool>,
+    default_material: MaterialDescription,
+}
+
+impl Scene {
+    /// Builds acceleration structures and lights.
+    ///
+    /// # Errors
+    /// Indices that point nowhere and transforms that cannot be inverted.
+    pub fn build(mut description: SceneDescription) -> Result<Self, SceneError> {
+        check_indices(&description)?;
+        let media: Vec<_> = description.materials.iter().map(|m| m.medium.as_ref().map(medium)).collect();
+        let holds_medium: Vec<bool> = description
+            .meshes
+            .iter()
+            .map(|m| m.triangle_materials.iter().any(|&i| matches!(media.get(i as usize), Some(Some(_)))))
+            .collect();
+        let mut topologies = Vec::with_capacity(description.meshes.len());
+        for (mesh, &holds) in description.meshes.iter_mut().zip(&holds_medium) {
+            topologies.push(holds.then(|| {
+                let topology = Topology::analyse(&mesh.positions, &mesh.triangles);
+                for &t in &topology.flipped_triangles {
+                    mesh.triangles[t as usize].swap(1, 2);
+                }
+                topology
+            }));
+        }
+        let instances: Vec<_> = description.instances.iter().map(|i| (i.mesh, i.transform)).collect();
+        let geometry = SceneGeometry::build(
+            description.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone())).collect(),
+            &instances,
+        )?;
+        let normal_matrices = description
+            .instances
+            .iter()
+            .map(|i| Mat3::from(i.transform.matrix3).inverse().transpose())
+            .collect();
+        let mirrored =
+            description.instances.iter().map(|i| Mat3::from(i.transform.matrix3).determinant() < 0.0).collect();
+        let mut scene = Self {
+            has_see_through: false,
+            objects: vec![Object::default(); description.instances.len()],
+            lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default(), (Vec3::ZERO, Vec3::ZERO)),
+            default_material: MaterialDescription::default(),
+            description: Arc::new(description),
+            geometry,
+            media,
+            topologies,
+            normal_matrices,
+            mirrored,
+        };
+        let emitters = scene.emissive_triangles();
+        let bounds = scene.geometry.bounds();
+        scene.has_see_through = scene.description.materials.iter().any(|m| {
+            m.alpha_mode != AlphaMode::Opaque
+                || m.medium.as_ref().is_some_and(|medium| (medium.ior - 1.0).abs() < 1e-6)
+        }) || scene.media.iter().flatten().count() > 1;
+        scene.compile_objects(&holds_medium, &emitters);
+        scene.lights = Lights::build(
+            emitters,
+            &scene.description.lights,
+            &scene.description.environment,
+            (bounds.min, bounds.max),
+        );
+        Ok(scene)
+    }
+
+    /// The mesh of an instance.
+    pub fn mesh(&self, instance: u32) -> &MeshDescription {
+        &self.description.meshes[self.description.instances[instance as usize].mesh]
+    }
+
+    /// A material; the default one for [`NO_MATERIAL`].
+    pub fn material(&self, index: u32) -> &MaterialDescription {
+        self.description.materials.get(index as usize).unwrap_or(&self.default_material)
+    }
+
+    /// The medium below the surface of a material.
+    pub fn medium(&self, material: u32) -> Option<&Medium> {
+        self.media.get(material as usize).and_then(Option::as_ref)
+    }
+
+    /// A texture at texture coordinates, decoded.
+    pub fn texel(&self, texture: &TextureRef, uv: Vec2) -> Vec4 {
+        sample_texture(&self.description, texture, uv)
+    }
+
+    /// Radiance that a surface emits to its front.
+    pub fn emission(&self, surface: &Surface) -> Vec3 {
+        let material = self.material(surface.material);
+        match &material.emission_texture {
+            Some(t) => material.emission * surface.texture(self, t).truncate(),
+            None => material.emission,
+        }
+    }
+
+    fn emissive_triangles(&self) -> Vec<EmissiveTriangle> {
+        let mut emitters = Vec::new();
+        for instance in 0..self.description.instances.len() as u32 {
+            let mesh = self.mesh(instance);
+            for (triangle, &material) in mesh.triangle_materials.iter().enumerate() {
+                let m = self.material(material);
+                if m.emission.max_element() <= 0.0 || m.unlit {
+                    continue;
+                }
+                emitters.extend(self.emissive_triangle(instance, triangle as u32, m));
+            }
+        }
+        emitters
+    }
+
+    fn emissive_triangle(
+        &self,
+        instance: u32,
+        triangle: u32,
+        material: &MaterialDescription,
+    ) -> Option<EmissiveTriangle> {
+        let corner = |u, v| Surface::new(self, &Hit { t: 0.0, instance, triangle, u, v });
+        let surfaces = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
+        let vertices = surfaces.map(|s| s.position);
+        let area = 0.5 * (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).length();
+        let sides = if material.double_sided { 2.0 } else { 1.0 };
+        let (average, radiance) = if material.emission_texture.is_some() {
+            let mut sum = Vec3::ZERO;
+            const STEPS: usize = 8;
+            for i in 0..STEPS {
+                for j in 0..STEPS - i {
+                    let (u, v) = ((i as f32 + 0.33) / STEPS as f32, (j as f32 + 0.33) / STEPS as f32);
+                    sum += self.emission(&corner(u, v));
+                }
+            }
+            // A texture may be dark at every probe and bright between them: a floor keeps it reachable.
+            let mean = sum / (STEPS * (STEPS + 1) / 2) as f32;
+            let field = TexturedEmission(self.description.clone());
+            (mean.max(material.emission * 1e-3), EmissiveRadiance::Textured(Arc::new(field)))
+        } else {
+            (material.emission, EmissiveRadiance::Constant(material.emission))
+        };
+        (area > 0.0 && area.is_finite()).then(|| EmissiveTriangle {
+            instance,
+            triangle,
+            vertices,
+            geometric_normal: surfaces[0].geometric_normal,
+            double_sided: material.double_sided,
+            power: average * (area * sides * std::f32::consts::PI),
+            radiance,
+        })
+    }
+
+    fn compile_objects(&mut self, holds_medium: &[bool], emitters: &[EmissiveTriangle]) {
+        let mut order: Vec<(i32, f64, u32)> = Vec::new();
+        for (i, instance) in self.description.instances.iter().enumerate() {
+            if !holds_medium[instance.mesh] {
+                continue;
+            }
+            let mesh = &self.description.meshes[instance.mesh];
+            let materials = mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
+            let priority = materials.map(|m| m.priority).max().unwrap_or(0);
+            let volume = self.topologies[instance.mesh].as_ref().map_or(0.0, |t| t.volume().abs() as f64)
+                * Mat3::from(instance.transform.matrix3).determinant().abs() as f64;
+            order.push((priority, -volume, i as u32));
+        }
+        order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        let mut bounds_of_mesh: Vec<(*const MeshGeometry, Arc<DistanceBound>)> = Vec::new();
+        for (rank, &(_, _, instance)) in order.iter().enumerate() {
+            let bounds = self.instance_bounds(instance);
+            let closed = self.topologies[self.description.instances[instance as usize].mesh]
+                .as_ref()
+                .is_some_and(Topology::is_closed);
+            let isolated = closed && !self.anything_else_within(instance, &bounds);
+            let inside = |p: Vec3| bounds.min.cmple(p).all() && bounds.max.cmpge(p).all();
+            let lit_inside = emitters.iter().any(|e| {
+                let (min, max) = e
+                    .vertices
+                    .iter()
+                    .fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
+                min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
+            }) || self
+                .description
+                .lights
+                .iter()
+                .any(|l| l.kind != PunctualKind::Directional && inside(l.position));
+            let scatters = self
+                .mesh(instance)
+                .triangle_materials
+                .iter()
+                .any(|&m| self.medium(m).is_some_and(|m| m.sigma_s.max_element() > 0.0));
+            let distance = (isolated && scatters).then(|| {
+                let mesh = self.geometry.mesh_of(instance);
+                let key = std::ptr::from_ref(mesh);
+                match bounds_of_mesh.iter().find(|(k, _)| *k == key) {
+                    Some((_, d)) => d.clone(),
+                    None => {
+                        let d = Arc::new(DistanceBound::build(mesh));
+                        bounds_of_mesh.push((key, d.clone()));
+                        d
+                    }
+                }
+            });
+            self.objects[instance as usize] =
+                Object { has_medium: true, closed, rank: rank as u32 + 1, isolated, lit_inside, distance };
+        }
+    }
+
+    fn instance_bounds(&self, instance: u32) -> Aabb {
+        let local = self.geometry.mesh_of(instance).bounds();
+        let transform = self.geometry.transform(instance);
+        let mut bounds = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+        for i in 0..8 {
+            let pick = |bit, a: f32, b: f32| if i & bit == 0 { a } else { b };
+            let corner = Vec3::new(
+                pick(1, local.min.x, local.max.x),
+                pick(2, local.min.y, local.max.y),
+                pick(4, local.min.z, local.max.z),
+            );
+            let p = transform.point(corner);
+            bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+        }
+        bounds
+    }
+
+    /// Whether a triangle of another instance reaches into `bounds`.
+    fn anything_else_within(&self, instance: u32, bounds: &Aabb) -> bool {
+        (0..self.description.instances.len() as u32).any(|other| {
+            let b = self.instance_bounds(other);
+            if other == instance || b.min.cmpgt(bounds.max).any() || b.max.cmplt(bounds.min).any() {
+                return false;
+            }
+            let (mesh, transform) = (self.geometry.mesh_of(other), self.geometry.transform(other));
+            (0..self.mesh(other).triangles.len() as u32).any(|t| {
+                let v = mesh.triangle(t).map(|p| transform.point(p));
+                let (min, max) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+                min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
+            })
+        })
+    }
+}
+
+/// Emission looked up in textures, for sampling lights.
+struct TexturedEmission(Arc<SceneDescription>);
+
+impl EmissionField for TexturedEmission {
+    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2) -> Vec3 {
+        let scene = &*self.0;
+        let mesh = &scene.meshes[scene.instances[instance as usize].mesh];
+        let Some(material) = scene.materials.get(mesh.triangle_materials[triangle as usize] as usize) else {
+            return Vec3::ZERO;
+        };
+        let Some(texture) = &material.emission_texture else { return material.emission };
+        let uv = match mesh.uvs.get(texture.uv_set) {
+            Some(uvs) if !uvs.is_empty() => {
+                let [a, b, c] = mesh.triangles[triangle as usize].map(|i| uvs[i as usize]);
+                a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y
+            }
+            _ => Vec2::ZERO,
+        };
+        material.emission * sample_texture(scene, texture, uv).truncate()
+    }
+}
+
+fn medium(m: &MediumDescription) -> Medium {
+    Medium::new(m.sigma_a, m.sigma_s, m.anisotropy, m.ior, m.priority)
+}
+
+fn check_indices(d: &SceneDescription) -> Result<(), SceneError> {
+    let bad = |pointer: &str, what, index| Err(SceneError::Index { pointer: pointer.into(), what, index });
+    for i in &d.instances {
+        if i.mesh >= d.meshes.len() {
+            return bad(&i.pointer, "mesh", i.mesh);
+        }
+    }
+    for m in &d.meshes {
+        let n = m.positions.len();
+        if let Some(t) = m.triangles.iter().flatten().find(|&&v| v as usize >= n) {
+            return bad(&m.pointer, "vertex", *t as usize);
+        }
+        if m.triangle_materials.len() != m.triangles.len() {
+            return bad(&m.pointer, "material of triangle", m.triangle_materials.len());
+        }
+        let attributes = [m.normals.len(), m.tangents.len(), m.colors.len()];
+        let lengths = attributes.into_iter().chain(m.uvs.iter().map(Vec::len));
+        if let Some(len) = lengths.into_iter().find(|&len| len != 0 && len != n) {
+            return bad(&m.pointer, "attribute of vertex", len);
+        }
+        let bad_material = |&&i: &&u32| i != NO_MATERIAL && i as usize >= d.materials.len();
+        if let Some(i) = m.triangle_materials.iter().find(bad_material) {
+            return bad(&m.pointer, "material", *i as usize);
+        }
+    }
+    for m in &d.materials {
+        let medium = m.medium.as_ref();
+        let refs = [
+            &m.base_color_texture,
+            &m.metallic_roughness_texture,
+            &m.normal_texture,
+            &m.emission_texture,
+            &m.transmission_texture,
+        ]
+        .into_iter()
+        .chain(medium.map(|x| &x.absorption_texture))
+        .chain(medium.map(|x| &x.scattering_texture));
+        for t in refs.flatten() {
+            if t.texture >= d.textures.len() {
+                return bad(&m.pointer, "texture", t.texture);
+            }
+        }
+    }
+    for t in &d.textures {
+        if t.image >= d.images.len() {
+            return bad("/textures", "image", t.image);
+        }
+    }
+    Ok(())
+}

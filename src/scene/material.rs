@@ -1,0 +1,89 @@
+//! A material at a point: its textures read, and the scattering function they make.
+
+use super::{MaterialDescription, Scene, Surface};
+use crate::optics::{Bsdf, Microfacet};
+use glam::{Vec3, Vec4};
+
+/// The parameters of a material at one surface point.
+#[derive(Clone, Copy, Debug)]
+pub struct Shading<'a> {
+    material: &'a MaterialDescription,
+    /// Base colour, without alpha.
+    pub base_color: Vec3,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// GGX width, the square of the roughness.
+    pub alpha: f32,
+    /// Fraction of the non-reflected light that is transmitted.
+    pub transmission: f32,
+    /// Shading normal, to the geometric front.
+    pub normal: Vec3,
+}
+
+impl<'a> Shading<'a> {
+    /// Reads the textures of the material at a point.
+    pub fn new(scene: &'a Scene, surface: &Surface) -> Self {
+        let material = scene.material(surface.material);
+        let (mut metallic, mut roughness) = (material.metallic, material.roughness);
+        if let Some(t) = &material.metallic_roughness_texture {
+            let texel = surface.texture(scene, t);
+            roughness *= texel.y;
+            metallic *= texel.z;
+        }
+        let mut transmission = material.transmission;
+        if let Some(t) = &material.transmission_texture {
+            transmission *= surface.texture(scene, t).x;
+        }
+        let normal = match &material.normal_texture {
+            Some(t) => surface.mapped_normal(scene, t, material.normal_scale),
+            None => surface.normal,
+        };
+        Self {
+            material,
+            base_color: scene.base_color(surface).truncate(),
+            metallic: metallic.clamp(0.0, 1.0),
+            alpha: (roughness * roughness).clamp(0.0, 1.0),
+            transmission: transmission.clamp(0.0, 1.0),
+            normal,
+        }
+    }
+}
+
+impl Scene {
+    /// Base colour and alpha at a point, vertex colours included.
+    pub fn base_color(&self, surface: &Surface) -> Vec4 {
+        let material = self.material(surface.material);
+        let mut color = material.base_color * surface.color(self);
+        if let Some(t) = &material.base_color_texture {
+            color *= surface.texture(self, t);
+        }
+        color.clamp(Vec4::ZERO, Vec4::ONE)
+    }
+
+    /// Coverage at a point.
+    pub fn alpha(&self, surface: &Surface) -> f32 {
+        let material = self.material(surface.material);
+        if material.alpha_mode == super::AlphaMode::Opaque {
+            return 1.0;
+        }
+        self.base_color(surface).w
+    }
+
+    /// What a boundary between equal indices lets through in a straight line.
+    pub fn straight_transmission(&self, surface: &Surface) -> Vec3 {
+        let shading = Shading::new(self, surface);
+        shading.base_color * ((1.0 - shading.metallic) * shading.transmission)
+    }
+
+    /// Whether a boundary between equal indices does nothing at all to light.
+    pub fn is_clear(&self, surface: &Surface) -> bool {
+        self.straight_transmission(surface) == Vec3::ONE
+    }
+}
+
+impl Shading<'_> {
+    /// The scattering function; `eta` is the index inside over outside.
+    pub fn bsdf(&self, eta: f32, boundary: bool, _microfacet: Microfacet) -> Bsdf {
+        if boundary { Bsdf::Smooth(eta) } else { Bsdf::Diffuse(self.base_color) }
+    }
+}

@@ -1,0 +1,119 @@
+//! A point on a surface with everything shading reads: frame, texture coordinates, vertex colour.
+
+use super::{Scene, description::TextureRef};
+use crate::geometry::Hit;
+use glam::{Vec2, Vec3, Vec4};
+
+/// A point on a triangle, in world space. Normals point to the front of the triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// World position.
+    pub position: Vec3,
+    /// Bound of the rounding error of `position`.
+    pub error: Vec3,
+    /// Unit normal of the triangle, to the front.
+    pub geometric_normal: Vec3,
+    /// Unit interpolated and normal-mapped normal, on the same side as `geometric_normal`.
+    pub normal: Vec3,
+    /// The instance.
+    pub instance: u32,
+    /// The triangle of its mesh.
+    pub triangle: u32,
+    /// Barycentric coordinates of vertices 1 and 2.
+    pub barycentric: Vec2,
+    /// Material index, [`super::NO_MATERIAL`] for none.
+    pub material: u32,
+}
+
+impl Surface {
+    /// The surface at a hit.
+    pub fn new(scene: &Scene, hit: &Hit) -> Self {
+        let point = scene.geometry.surface(hit);
+        let instance = &scene.description.instances[hit.instance as usize];
+        let mesh = &scene.description.meshes[instance.mesh];
+        let mut surface = Self {
+            position: point.position,
+            error: point.error,
+            geometric_normal: point.geometric_normal,
+            normal: point.geometric_normal,
+            instance: hit.instance,
+            triangle: hit.triangle,
+            barycentric: Vec2::new(hit.u, hit.v),
+            material: mesh.triangle_materials[hit.triangle as usize],
+        };
+        if !mesh.normals.is_empty() {
+            let local = surface.interpolate(mesh.triangles[hit.triangle as usize], &mesh.normals, |n| *n);
+            let normal = (scene.normal_matrices[hit.instance as usize] * local).normalize_or(surface.normal);
+            surface.normal = keep_side(normal, surface.geometric_normal);
+        }
+        surface
+    }
+
+    fn interpolate<T, V>(&self, triangle: [u32; 3], values: &[T], get: impl Fn(&T) -> V) -> V
+    where
+        V: std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
+    {
+        let [a, b, c] = triangle.map(|i| get(&values[i as usize]));
+        a * (1.0 - self.barycentric.x - self.barycentric.y) + b * self.barycentric.x + c * self.barycentric.y
+    }
+
+    /// Texture coordinates of a set; zero where the mesh lacks it.
+    pub fn uv(&self, scene: &Scene, set: usize) -> Vec2 {
+        let mesh = scene.mesh(self.instance);
+        match mesh.uvs.get(set) {
+            Some(uvs) if !uvs.is_empty() => {
+                self.interpolate(mesh.triangles[self.triangle as usize], uvs, |uv| *uv)
+            }
+            _ => Vec2::ZERO,
+        }
+    }
+
+    /// Linear vertex colour; white where the mesh has none.
+    pub fn color(&self, scene: &Scene) -> Vec4 {
+        let mesh = scene.mesh(self.instance);
+        if mesh.colors.is_empty() {
+            Vec4::ONE
+        } else {
+            self.interpolate(mesh.triangles[self.triangle as usize], &mesh.colors, |c| *c)
+        }
+    }
+
+    /// A texture at this point.
+    pub fn texture(&self, scene: &Scene, texture: &TextureRef) -> Vec4 {
+        scene.texel(texture, self.uv(scene, texture.uv_set))
+    }
+
+    /// The shading normal bent by the material's normal map, on the side of the geometric normal.
+    pub fn mapped_normal(&self, scene: &Scene, texture: &TextureRef, scale: f32) -> Vec3 {
+        let mesh = scene.mesh(self.instance);
+        if mesh.tangents.is_empty() {
+            return self.normal;
+        }
+        let tangent = self.interpolate(mesh.triangles[self.triangle as usize], &mesh.tangents, |t| *t);
+        let world = scene.description.instances[self.instance as usize]
+            .transform
+            .transform_vector3(tangent.truncate());
+        let tangent_world = (world - self.normal * self.normal.dot(world)).normalize_or_zero();
+        if tangent_world == Vec3::ZERO {
+            return self.normal;
+        }
+        let mirrored = if scene.mirrored[self.instance as usize] { -1.0 } else { 1.0 };
+        let sign = if tangent.w < 0.0 { -mirrored } else { mirrored };
+        let bitangent = self.normal.cross(tangent_world) * sign;
+        let texel = self.texture(scene, texture).truncate() * 2.0 - Vec3::ONE;
+        let mapped = tangent_world * (texel.x * scale) + bitangent * (texel.y * scale) + self.normal * texel.z;
+        keep_side(mapped.normalize_or(self.normal), self.geometric_normal)
+    }
+}
+
+/// Turns a shading normal that points behind its triangle to the grazing direction in front of it.
+fn keep_side(normal: Vec3, geometric: Vec3) -> Vec3 {
+    /// Smallest cosine between shading and geometric normal: shading normals beyond it come from bad data.
+    const MIN_COSINE: f32 = 0.02;
+    let cosine = normal.dot(geometric);
+    if cosine >= MIN_COSINE {
+        normal
+    } else {
+        (normal + geometric * (MIN_COSINE - cosine)).normalize_or(geometric)
+    }
+}

@@ -1,0 +1,219 @@
+//! Next-event estimation: connecting a vertex to a light, and what the connection loses on its way.
+
+use super::media::{Crossing, Enclosure, MediumStack};
+use super::path::{PathTracer, Vertex};
+use crate::geometry::{Ray, offset_origin};
+use crate::optics::{Bsdf, phase};
+use crate::sampling::{Sampler, power_heuristic};
+use crate::scene::{AlphaMode, Surface};
+use crate::subsurface::{Connector, TexturedMedium};
+use glam::{Mat3, Vec3};
+
+/// Shadow rays end this fraction before the light, so that they do not meet the emitter itself. Relative, hence free
+/// of scale.
+const SHADOW_SHORTENING: f32 = 1e-4;
+
+/// A surface vertex ready for shading: frame, scattering function, surrounding.
+pub(super) struct Shaded<'a> {
+    pub surface: &'a Surface,
+    pub bsdf: &'a Bsdf,
+    /// Local to world; z is the shading normal on the side that the scattering function calls its front.
+    pub frame: Mat3,
+    /// Towards the previous vertex, local.
+    pub wo: Vec3,
+    /// Whether the previous vertex is on the geometric front.
+    pub front: bool,
+    /// The object whose boundary this is, if it bounds a medium.
+    pub enclosure: Option<Enclosure>,
+    /// Normal for choosing lights, if only one side can be lit.
+    pub light_normal: Option<Vec3>,
+    /// Whether light can come from the inside of the boundary.
+    pub lit_inside: bool,
+}
+
+impl PathTracer<'_> {
+    /// Light from one sampled light, scattered at a surface towards the previous vertex.
+    pub(super) fn direct_surface(&self, s: &Shaded<'_>, stack: &MediumStack, sampler: &mut Sampler) -> Vec3 {
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(light) = self.scene.lights.sample(s.surface.position, s.light_normal, u_select, u) else {
+            return Vec3::ZERO;
+        };
+        let wi = s.frame.transpose() * light.direction;
+        let to_front = light.direction.dot(s.surface.geometric_normal) > 0.0;
+        let frame_front = s.frame.z_axis.dot(s.surface.geometric_normal) > 0.0;
+        if (wi.z > 0.0) != (to_front == frame_front) {
+            return Vec3::ZERO;
+        }
+        if !to_front && s.enclosure.is_some() && !s.lit_inside {
+            return Vec3::ZERO;
+        }
+        let f = s.bsdf.eval(s.wo, wi);
+        if f.max_element() <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, s.bsdf.pdf(s.wo, wi)) };
+        let contribution = f * light.radiance * (weight / light.pdf);
+        if contribution.max_element() <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let mut stack = *stack;
+        if let Some(e) = s.enclosure
+            && to_front != s.front
+        {
+            if s.front { stack.enter(e) } else { stack.leave(e.instance) }
+        }
+        let n = s.surface.geometric_normal;
+        let origin = offset_origin(s.surface.position, s.surface.error, n, light.direction);
+        contribution * self.transmittance(origin, light.direction, light.distance, stack, sampler)
+    }
+
+    /// The fraction of light that survives a straight segment: zero where something opaque or refracting is in the
+    /// way, otherwise what alpha, index-matched boundaries and media leave.
+    pub(super) fn transmittance(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        mut stack: MediumStack,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
+        let t_max = distance * (1.0 - SHADOW_SHORTENING);
+        self.count_ray();
+        if !self.scene.has_see_through && stack.is_empty() {
+            let blocked = self.scene.geometry.occluded(&Ray { origin, direction, t_max });
+            return if blocked { Vec3::ZERO } else { Vec3::ONE };
+        }
+        let (mut result, mut origin, mut remaining) = (Vec3::ONE, origin, t_max);
+        for _ in 0..self.options.max_depth {
+            let hit = self.scene.geometry.intersect(&Ray { origin, direction, t_max: remaining });
+            let length = hit.as_ref().map_or(remaining, |h| h.t);
+            result *= self.segment_transmittance(origin, direction, length, &stack, sampler);
+            let Some(hit) = hit else { return result };
+            let surface = Surface::new(self.scene, &hit);
+            result *= self.surface_transmittance(&surface, direction, &mut stack);
+            if result.max_element() <= 0.0 {
+                return Vec3::ZERO;
+            }
+            let n = surface.geometric_normal;
+            let next = offset_origin(surface.position, surface.error, n, direction);
+            remaining -= length;
+            origin = next;
+            if remaining <= 0.0 {
+                return result;
+            }
+            self.count_ray();
+        }
+        Vec3::ZERO
+    }
+
+    /// What a segment inside of the current medium lets through.
+    fn segment_transmittance(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        length: f32,
+        stack: &MediumStack,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
+        let Some(e) = stack.current() else { return Vec3::ONE };
+        let Some(medium) = self.scene.medium(e.material) else { return Vec3::ONE };
+        let description = self.scene.material(e.material).medium.as_ref();
+        if description.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
+            && length.is_finite()
+        {
+            let mut textured = TexturedMedium::new(self.scene, e);
+            return textured.transmittance(origin, direction, length, sampler.rng());
+        }
+        // 0 · ∞ is 0 here: a clear channel loses nothing over any distance.
+        Vec3::select(medium.sigma_t.cmpgt(Vec3::ZERO), (-medium.sigma_t * length).exp(), Vec3::ONE)
+    }
+
+    /// What a surface lets through in a straight line, with the stack after it.
+    fn surface_transmittance(&self, surface: &Surface, direction: Vec3, stack: &mut MediumStack) -> Vec3 {
+        let material = self.scene.material(surface.material);
+        let alpha = self.scene.alpha(surface);
+        let covered = match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask(cutoff) => f32::from(alpha >= cutoff),
+            AlphaMode::Blend => alpha,
+        };
+        let mut through = Vec3::ZERO;
+        if let Some(enclosure) = self.enclosure_of(surface)
+            && covered > 0.0
+        {
+            let entering = direction.dot(surface.geometric_normal) < 0.0;
+            if !entering && !stack.contains(enclosure.instance) {
+                stack.enter(enclosure);
+            }
+            let (crossing, eta) = self.interface(stack, enclosure, entering);
+            if crossing == Crossing::Hidden {
+                through = Vec3::ONE;
+            } else if eta == 1.0 {
+                through = self.scene.straight_transmission(surface);
+            }
+            if entering { stack.enter(enclosure) } else { stack.leave(enclosure.instance) }
+        }
+        through * covered + Vec3::splat(1.0 - covered)
+    }
+
+    /// The object whose boundary a surface is, if it bounds a medium.
+    pub(super) fn enclosure_of(&self, surface: &Surface) -> Option<Enclosure> {
+        self.scene.medium(surface.material)?;
+        Some(Enclosure {
+            instance: surface.instance,
+            material: surface.material,
+            rank: self.scene.objects[surface.instance as usize].rank,
+        })
+    }
+
+    /// What the boundary of `enclosure` is to a path with this stack, and its index inside over outside.
+    pub(super) fn interface(
+        &self,
+        stack: &MediumStack,
+        enclosure: Enclosure,
+        entering: bool,
+    ) -> (Crossing, f32) {
+        let crossing = stack.crossing(enclosure, entering);
+        let ior = |e: Enclosure| self.scene.medium(e.material).map_or(1.0, |m| m.ior);
+        let inside = if entering { ior(enclosure) } else { stack.current().map_or(1.0, ior) };
+        match crossing {
+            Crossing::Hidden => (crossing, 1.0),
+            Crossing::Interface { outside } => (crossing, inside / outside.map_or(1.0, ior)),
+        }
+    }
+}
+
+/// Connects scattering events inside of a medium to lights.
+pub(super) struct InteriorLight<'a, 'b> {
+    pub tracer: &'a PathTracer<'b>,
+    pub stack: MediumStack,
+    pub radiance: Vec3,
+    pub vertex: Option<Vertex>,
+}
+
+impl Connector for InteriorLight<'_, '_> {
+    fn scattered(
+        &mut self,
+        point: Vec3,
+        incoming: Vec3,
+        throughput: Vec3,
+        g: f32,
+        sampler: &mut Sampler,
+    ) {
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
+        let f = phase::eval(g, incoming.dot(light.direction));
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
+        let contribution =
+            throughput * light.radiance * (f * weight / light.pdf);
+        if contribution.max_element() > 0.0 {
+            let through =
+                self.tracer.transmittance(point, light.direction, light.distance, self.stack, sampler);
+            self.radiance += contribution * through;
+        }
+    }
+
+    fn redirected(&mut self, point: Vec3, pdf: f32) {
+        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true });
+    }
+}

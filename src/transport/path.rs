@@ -1,0 +1,412 @@
+//! One path: from the camera through surfaces and media until it finds no more light.
+
+use super::direct::{InteriorLight, Shaded};
+use super::media::{Crossing, Enclosure, MediumStack};
+use super::render::RenderOptions;
+use crate::geometry::{Hit, Ray, offset_origin};
+use crate::optics::Bsdf;
+use crate::sampling::{Sampler, orthonormal_basis, power_heuristic};
+use crate::scene::{AlphaMode, Camera, Scene, Shading, Surface};
+use crate::subsurface::{Arrival, Flight, PathHead, Propagator, Start};
+use glam::{Mat3, Vec2, Vec3};
+use std::cell::Cell;
+
+/// Surface bounces after which throughput decides whether a path goes on.
+const ROULETTE_AFTER: u32 = 3;
+/// Below this throughput a path at a surface plays Russian roulette.
+const ROULETTE_BELOW: f32 = 0.5;
+
+/// The last vertex that chose a direction, for weighing what the direction finds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub point: Vec3,
+    pub normal: Option<Vec3>,
+    /// Solid-angle density of the direction.
+    pub pdf: f32,
+    /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
+    pub connected: bool,
+}
+
+/// Events that tell of trouble, and work done; sums over all threads.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counters {
+    pub rays: u64,
+    pub events: u64,
+    pub truncated: u64,
+    pub leaks: u64,
+    pub invalid: u64,
+}
+
+/// Follows paths through a scene; one for each thread.
+pub(super) struct PathTracer<'a> {
+    pub scene: &'a Scene,
+    pub options: &'a RenderOptions,
+    pub model: &'a dyn Propagator,
+    pub camera: &'a Camera,
+    /// The media around the camera.
+    pub surrounding: MediumStack,
+    pub counters: Cell<Counters>,
+}
+
+/// The state of a path between events.
+struct Path {
+    head: PathHead,
+    stack: MediumStack,
+    vertex: Vertex,
+    events: u32,
+    bounces: u32,
+    /// The camera still sees straight through what was met.
+    direct_view: bool,
+}
+
+impl PathTracer<'_> {
+    pub(super) fn count_ray(&self) {
+        self.count(|c| c.rays += 1);
+    }
+
+    fn count(&self, f: impl FnOnce(&mut Counters)) {
+        let mut c = self.counters.get();
+        f(&mut c);
+        self.counters.set(c);
+    }
+
+    /// Radiance of one sample of the pixel at (x, y).
+    pub(super) fn sample_pixel(&self, x: u32, y: u32, sampler: &mut Sampler) -> Vec3 {
+        let raster = Vec2::new(x as f32, y as f32) + sampler.next_2d();
+        let radiance = self.trace(self.camera.ray(raster), sampler);
+        if radiance.is_finite() {
+            radiance
+        } else {
+            self.count(|c| c.invalid += 1);
+            Vec3::ZERO
+        }
+    }
+
+    fn trace(&self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
+        let start = Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false };
+        let mut path = Path {
+            head: PathHead {
+                position: ray.origin,
+                direction: ray.direction,
+                throughput: Vec3::ONE,
+                events: 0,
+                start: None,
+            },
+            stack: self.surrounding,
+            vertex: start,
+            events: 0,
+            bounces: 0,
+            direct_view: true,
+        };
+        let mut radiance = Vec3::ZERO;
+        while path.events < self.options.max_depth {
+            let alive = match self.advance(&mut path, &mut radiance, sampler) {
+                Arrival::Surface(hit) => {
+                    self.meet_surface(&hit, &mut path, &mut radiance, sampler)
+                }
+                Arrival::Exit(surface) => self.leave_below(&surface, &mut path, &mut radiance, sampler),
+                Arrival::Escaped => {
+                    radiance += self.environment(&path);
+                    return radiance;
+                }
+                Arrival::Ended => false,
+            };
+            if !alive {
+                if path.events >= self.options.max_depth {
+                    break;
+                }
+                return radiance;
+            }
+        }
+        self.count(|c| c.truncated += 1);
+        radiance
+    }
+
+    /// Moves the head to where it arrives next.
+    fn advance(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> Arrival {
+        let Some((enclosure, medium)) =
+            path.stack.current().and_then(|e| Some((e, self.scene.medium(e.material)?)))
+        else {
+            return self.straight(path);
+        };
+        if medium.sigma_s.max_element() <= 0.0 && !self.textured(enclosure) {
+            let arrival = self.straight(path);
+            if let Arrival::Surface(hit) = &arrival {
+                path.head.throughput *= (-medium.sigma_a * hit.t).exp();
+            }
+            return arrival;
+        }
+        let object = &self.scene.objects[enclosure.instance as usize];
+        let budget = self.options.max_depth - path.events;
+        let flight = Flight { scene: self.scene, enclosure, object, medium, budget };
+        path.head.events = 0;
+        let arrival = if object.lit_inside || medium.ior == 1.0 {
+            let mut lights =
+                InteriorLight { tracer: self, stack: path.stack, radiance: Vec3::ZERO, vertex: None };
+            let arrival = self.model.propagate(&flight, &mut path.head, sampler, Some(&mut lights));
+            *radiance += lights.radiance;
+            if let Some(vertex) = lights.vertex {
+                path.vertex = vertex;
+            }
+            arrival
+        } else {
+            let arrival = self.model.propagate(&flight, &mut path.head, sampler, None);
+            if path.head.events > 0 {
+                path.vertex = Vertex { point: path.head.position, normal: None, pdf: 1.0, connected: false };
+            }
+            arrival
+        };
+        path.events = path.events.saturating_add(path.head.events);
+        let events = path.head.events;
+        self.count(|c| {
+            c.rays += 1;
+            c.events += u64::from(events);
+        });
+        path.direct_view &= events == 0;
+        arrival
+    }
+
+    fn textured(&self, enclosure: Enclosure) -> bool {
+        let medium = self.scene.material(enclosure.material).medium.as_ref();
+        medium.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
+    }
+
+    fn straight(&self, path: &mut Path) -> Arrival {
+        self.count_ray();
+        let head = &mut path.head;
+        let ray = Ray { origin: head.position, direction: head.direction, t_max: f32::INFINITY };
+        match self.scene.geometry.intersect(&ray) {
+            Some(hit) => Arrival::Surface(hit),
+            None => Arrival::Escaped,
+        }
+    }
+
+    /// Radiance of the environment at the end of a path.
+    fn environment(&self, path: &Path) -> Vec3 {
+        let radiance = self.scene.lights.environment_radiance(path.head.direction);
+        let mut weight = 1.0;
+        if path.vertex.connected {
+            let v = &path.vertex;
+            let light = self.scene.lights.environment_pdf(v.point, v.normal, path.head.direction);
+            weight = power_heuristic(v.pdf, light);
+        }
+        let mut scale = 1.0;
+        if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
+            // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
+            self.count(|c| c.leaks += 1);
+            scale = medium.ior * medium.ior;
+        }
+        path.head.throughput * radiance * (weight * scale)
+    }
+
+    /// Shades a surface and chooses where the path goes on. False: it ends.
+    fn meet_surface(
+        &self,
+        hit: &Hit,
+        path: &mut Path,
+        radiance: &mut Vec3,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let surface = Surface::new(self.scene, hit);
+        let material = self.scene.material(surface.material);
+        let wo = -path.head.direction;
+        let front = wo.dot(surface.geometric_normal) > 0.0;
+        let enclosure = self.enclosure_of(&surface);
+        let see_through = material.transmission > 0.0 || enclosure.is_some();
+        path.events += 1;
+
+        let culled = path.direct_view && !front && !material.double_sided && !see_through;
+        if culled || !self.covered(material.alpha_mode, &surface, sampler) {
+            path.pass(&surface);
+            return true;
+        }
+        if material.unlit {
+            *radiance += path.head.throughput * self.scene.base_color(&surface).truncate();
+            return false;
+        }
+        if material.emission != Vec3::ZERO && (front || material.double_sided) {
+            *radiance += self.emitted(&surface, path);
+        }
+
+        let mut eta = 1.0;
+        if let Some(e) = enclosure {
+            if !front && !path.stack.contains(e.instance) {
+                path.stack.enter(e);
+            }
+            let (crossing, index) = self.interface(&path.stack, e, front);
+            if crossing == Crossing::Hidden || (index == 1.0 && self.scene.is_clear(&surface)) {
+                path.cross(e, front);
+                path.pass(&surface);
+                return true;
+            }
+            eta = index;
+        }
+        path.direct_view = false;
+        let shading = Shading::new(self.scene, &surface);
+        let bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
+        let lit_inside = enclosure.is_none_or(|e| {
+            let object = &self.scene.objects[e.instance as usize];
+            object.lit_inside || !object.isolated
+        });
+        let shaded = Shaded {
+            surface: &surface,
+            bsdf: &bsdf,
+            frame: Mat3::IDENTITY,
+            wo: Vec3::Z,
+            front,
+            enclosure,
+            light_normal: None,
+            lit_inside,
+        };
+        self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
+    }
+
+    /// A diffuse exit that a BSSRDF has found: the path leaves the object there.
+    fn leave_below(
+        &self,
+        surface: &Surface,
+        path: &mut Path,
+        radiance: &mut Vec3,
+        sampler: &mut Sampler,
+    ) -> bool {
+        if let Some(e) = path.stack.current() {
+            path.stack.leave(e.instance);
+        }
+        let bsdf = Bsdf::diffuse(Vec3::ONE);
+        path.head.direction = -surface.normal;
+        let shaded = Shaded {
+            surface,
+            bsdf: &bsdf,
+            frame: Mat3::IDENTITY,
+            wo: Vec3::Z,
+            front: true,
+            enclosure: None,
+            light_normal: Some(surface.normal),
+            lit_inside: false,
+        };
+        self.scatter(shaded, surface.normal, false, path, radiance, sampler)
+    }
+
+    /// Connects a shaded vertex to a light and samples its scattering function.
+    fn scatter(
+        &self,
+        mut shaded: Shaded<'_>,
+        normal: Vec3,
+        see_through: bool,
+        path: &mut Path,
+        radiance: &mut Vec3,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let wo = -path.head.direction;
+        let geometric = shaded.surface.geometric_normal;
+        // Where the shading normal would put the viewer on the other side of the surface, the geometric one is used.
+        let consistent = (wo.dot(normal) > 0.0) == shaded.front && wo.dot(normal) != 0.0;
+        let mut z = if consistent { normal } else { geometric };
+        if !see_through && !shaded.front {
+            z = -z;
+        }
+        let (x, y) = orthonormal_basis(z);
+        shaded.frame = Mat3::from_cols(x, y, z);
+        shaded.wo = shaded.frame.transpose() * wo;
+        shaded.light_normal = match (see_through, shaded.enclosure) {
+            (false, _) => Some(z),
+            (true, Some(_)) if !shaded.lit_inside => Some(z),
+            _ => None,
+        };
+        let connected = !shaded.bsdf.is_delta();
+        if connected {
+            *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, sampler);
+        }
+        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
+        let mut wi = (shaded.frame * sample.wi).normalize();
+        let mut weighed = connected && !sample.delta;
+        let to_front = shaded.front != sample.transmitted;
+        if (wi.dot(geometric) > 0.0) != to_front {
+            // The shading normal sends the light through the triangle on the wrong side. Losing it would darken
+            // silhouettes and break the furnace: it is mirrored back, and as no light sampling can make such a
+            // connection it counts in full.
+            wi -= 2.0 * wi.dot(geometric) * geometric;
+            weighed = false;
+        }
+        path.head.throughput *= sample.weight;
+        path.head.direction = wi;
+        if let Some(e) = shaded.enclosure
+            && sample.transmitted
+        {
+            path.cross(e, shaded.front);
+        }
+        path.vertex = Vertex {
+            point: shaded.surface.position,
+            normal: shaded.light_normal,
+            pdf: sample.pdf,
+            connected: weighed,
+        };
+        path.leave_surface(shaded.surface);
+        path.bounces += 1;
+        self.survives(path, sampler)
+    }
+
+    /// Russian roulette by throughput, in the radiance scale of vacuum.
+    fn survives(&self, path: &mut Path, sampler: &mut Sampler) -> bool {
+        let ior = path.stack.current().and_then(|e| self.scene.medium(e.material)).map_or(1.0, |m| m.ior);
+        let largest = path.head.throughput.max_element() * ior * ior;
+        if largest <= 0.0 {
+            return false;
+        }
+        if path.bounces <= ROULETTE_AFTER || largest >= ROULETTE_BELOW {
+            return true;
+        }
+        if sampler.rng().f32() * ROULETTE_BELOW < largest {
+            path.head.throughput *= ROULETTE_BELOW / largest;
+            return true;
+        }
+        false
+    }
+
+    fn covered(&self, mode: AlphaMode, surface: &Surface, sampler: &mut Sampler) -> bool {
+        match mode {
+            AlphaMode::Opaque => true,
+            AlphaMode::Mask(cutoff) => self.scene.alpha(surface) >= cutoff,
+            AlphaMode::Blend => sampler.rng().f32() < self.scene.alpha(surface),
+        }
+    }
+
+    /// Emission of a surface that was hit by chance.
+    fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
+        let mut weight = 1.0;
+        if path.vertex.connected
+            && let Some(id) = self.scene.lights.emitter_id(surface.instance, surface.triangle)
+        {
+            let v = &path.vertex;
+            let light = self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position);
+            weight = power_heuristic(v.pdf, light);
+        }
+        path.head.throughput * self.scene.emission(surface) * weight
+    }
+}
+
+impl Path {
+    /// Goes straight on through a surface that is not there.
+    fn pass(&mut self, surface: &Surface) {
+        self.leave_surface(surface);
+    }
+
+    fn leave_surface(&mut self, surface: &Surface) {
+        self.head.position = offset_origin(
+            surface.position,
+            surface.error,
+            surface.geometric_normal,
+            self.head.direction,
+        );
+        self.head.start = Some(Start {
+            instance: surface.instance,
+            triangle: surface.triangle,
+            barycentric: surface.barycentric,
+        });
+    }
+
+    fn cross(&mut self, e: Enclosure, entering: bool) {
+        if entering { self.stack.enter(e) } else { self.stack.leave(e.instance) }
+    }
+}

@@ -1,0 +1,175 @@
+//! Scenes for measurements: meshes built here, cameras that see them, and estimates with standard errors.
+
+use glam::{Affine3A, Mat3, Vec3, Vec4};
+use nephrite::optics::Microfacet;
+use nephrite::scene::*;
+use nephrite::transport::{RenderOptions, render};
+
+/// An axis-aligned box of that size around the origin, 12 triangles.
+pub fn cuboid(size: Vec3) -> MeshDescription {
+    let h = 0.5 * size;
+    let corner = |i: u32| {
+        let pick = |bit, v: f32| if i & bit == 0 { -v } else { v };
+        Vec3::new(pick(1, h.x), pick(2, h.y), pick(4, h.z))
+    };
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles: Vec<_> = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    MeshDescription {
+        positions: (0..8).map(corner).collect(),
+        triangle_materials: vec![0; triangles.len()],
+        triangles,
+        ..Default::default()
+    }
+}
+
+/// A sphere of that radius: an icosahedron, each triangle split in four `levels` times, with smooth normals on request.
+pub fn icosphere(radius: f32, levels: u32, smooth: bool) -> MeshDescription {
+    let phi = 0.5 * (1.0 + 5f32.sqrt());
+    let mut positions: Vec<Vec3> = Vec::new();
+    for (a, b) in [(-1.0, phi), (1.0, phi), (-1.0, -phi), (1.0, -phi)] {
+        positions.extend([Vec3::new(a, b, 0.0), Vec3::new(0.0, a, b), Vec3::new(b, 0.0, a)]);
+    }
+    let mut directions: Vec<Vec3> = positions.iter().map(|p| p.normalize()).collect();
+    // Neighbours are 1.05 apart on the unit sphere, everyone else at least 1.7.
+    let edge = 1.2;
+    let mut triangles = Vec::new();
+    for a in 0..12u32 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                let [p, q, r] = [a, b, c].map(|i| directions[i as usize]);
+                let near = |x: Vec3, y: Vec3| x.distance(y) < edge;
+                if near(p, q) && near(q, r) && near(r, p) {
+                    let outward = (q - p).cross(r - p).dot(p) > 0.0;
+                    triangles.push(if outward { [a, b, c] } else { [a, c, b] });
+                }
+            }
+        }
+    }
+    assert_eq!(triangles.len(), 20);
+    for _ in 0..levels {
+        let mut midpoints = std::collections::HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *midpoints.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                directions.push((directions[a as usize] + directions[b as usize]).normalize());
+                directions.len() as u32 - 1
+            })
+        };
+        triangles = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    MeshDescription {
+        positions: directions.iter().map(|d| *d * radius).collect(),
+        normals: if smooth { directions } else { Vec::new() },
+        triangle_materials: vec![0; triangles.len()],
+        triangles,
+        ..Default::default()
+    }
+}
+
+/// A material that is nothing but the boundary of a medium.
+pub fn subsurface(sigma_a: Vec3, sigma_s: Vec3, g: f32, ior: f32, roughness: f32) -> MaterialDescription {
+    MaterialDescription {
+        base_color: Vec4::ONE,
+        metallic: 0.0,
+        roughness,
+        transmission: 1.0,
+        ior,
+        medium: Some(MediumDescription {
+            sigma_a,
+            sigma_s,
+            anisotropy: g,
+            ior,
+            priority: 0,
+            absorption_texture: None,
+            scattering_texture: None,
+        }),
+        ..Default::default()
+    }
+}
+
+/// One mesh with one material at the origin.
+pub fn single(mesh: MeshDescription, material: MaterialDescription, environment: EnvironmentDescription) -> SceneDescription {
+    SceneDescription {
+        meshes: vec![mesh],
+        materials: vec![material],
+        instances: vec![place(0, Affine3A::IDENTITY)],
+        environment,
+        ..Default::default()
+    }
+}
+
+/// A placed mesh.
+pub fn place(mesh: usize, transform: Affine3A) -> InstanceDescription {
+    InstanceDescription { name: String::new(), pointer: String::new(), mesh, transform }
+}
+
+/// Radiance `above` from the upper half of the sky, nothing from the lower one.
+pub fn sky_above(above: f32) -> EnvironmentDescription {
+    const ROWS: usize = 512;
+    let pixels = (0..4 * ROWS).map(|i| if i / 4 < ROWS / 2 { Vec3::splat(above) } else { Vec3::ZERO }).collect();
+    EnvironmentDescription::Map { width: 4, height: ROWS, pixels, scale: Vec3::ONE, rotation: 0.0 }
+}
+
+/// An orthographic camera that looks along `direction` at the origin from `distance` away; half height `ymag`.
+pub fn ortho(direction: Vec3, distance: f32, ymag: f32) -> CameraDescription {
+    let z = -direction.normalize();
+    let helper = if z.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
+    let x = helper.cross(z).normalize();
+    CameraDescription {
+        name: String::new(),
+        transform: Affine3A::from_mat3_translation(Mat3::from_cols(x, z.cross(x), z), z * distance),
+        projection: Projection::Orthographic { ymag, aspect: None },
+    }
+}
+
+/// Options for a small square picture.
+pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOptions {
+    RenderOptions {
+        width: pixels,
+        height: pixels,
+        spp,
+        seed: 1,
+        threads: 0,
+        camera,
+        subsurface: "random-walk".into(),
+        max_depth: 1_000_000,
+        microfacet: Microfacet::Multiple,
+    }
+}
+
+/// Mean over the pixels of a picture with its standard error, for each channel.
+pub struct Estimate {
+    pub mean: [f64; 3],
+    pub se: [f64; 3],
+}
+
+/// Renders and takes each pixel for an independent estimate of the same number.
+pub fn measure(scene: &Scene, options: &RenderOptions) -> Estimate {
+    let pixels = render(scene, options, &()).expect("renders").film.pixels;
+    let n = pixels.len() as f64;
+    let (mut mean, mut se) = ([0.0; 3], [0.0; 3]);
+    for c in 0..3 {
+        mean[c] = pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / n;
+        let var = pixels.iter().map(|p| (f64::from(p[c]) - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
+        se[c] = (var / n).sqrt();
+    }
+    Estimate { mean, se }
+}
+
+impl Estimate {
+    /// Asserts |z| < 4 in every channel and a standard error below 0.5 % of `scale`.
+    pub fn assert_matches(&self, expected: [f64; 3], expected_se: [f64; 3], what: &str) {
+        for c in 0..3 {
+            let se = self.se[c].hypot(expected_se[c]).max(1e-6);
+            let z = (self.mean[c] - expected[c]) / se;
+            println!("{what} [{c}]: {:.5} ± {:.5}, expected {:.5}, z {z:+.2}", self.mean[c], self.se[c], expected[c]);
+            assert!(self.se[c] <= 0.005 * expected[c].max(0.02), "{what} [{c}]: too noisy to tell: ± {}", self.se[c]);
+            assert!(z.abs() < 4.0, "{what} [{c}]: {} ± {se} is not {} (z {z:+.2})", self.mean[c], expected[c]);
+        }
+    }
+}
