@@ -1,1 +1,11 @@
-//! TODO
+//! Light from environments, emissive triangles and punctual lights, and choosing among them.
+
+pub mod emitter;
+pub mod environment;
+pub mod lights;
+mod mixture;
+pub mod punctual;
+
+pub use emitter::{EmissionField, EmissiveRadiance, EmissiveTriangle, EmitterId};
+pub use environment::Environment;
+pub use lights::{LightSample, Lights};
