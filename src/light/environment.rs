@@ -348,8 +348,7 @@ fn mean(v: Vec3) -> f32 {
 }
 
 fn sanitize(v: Vec3) -> (Vec3, bool) {
-    // `max` and `min` return the other operand for NaN.
-    let repaired = Vec3::from_array(v.to_array().map(|c| c.max(0.0).min(MAX_RADIANCE)));
+    let repaired = Vec3::from_array(v.to_array().map(|c| if c > 0.0 { c.min(MAX_RADIANCE) } else { 0.0 }));
     (repaired, repaired != v)
 }
 
