@@ -1,3 +1,12 @@
-//! TODO
+//! Light from environments, emissive triangles and punctual lights, and choosing among them.
 
+pub mod emitter;
+pub mod environment;
+pub mod lights;
+mod mixture;
+pub mod punctual;
 pub mod studio;
+
+pub use emitter::{EmissionField, EmissiveRadiance, EmissiveTriangle, EmitterId};
+pub use environment::Environment;
+pub use lights::{LightSample, Lights};

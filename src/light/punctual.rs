@@ -1,0 +1,149 @@
+//! Point, spot and directional lights as the glTF extension KHR_lights_punctual defines them.
+//!
+//! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone`, or lux.
+
+use glam::Vec3;
+
+use crate::scene::{PunctualKind, PunctualLight};
+
+/// Smallest difference of the cosines of a spot's inner and outer angles; the specification's own constant, which
+/// keeps a spot with equal angles from dividing by zero.
+const MIN_CONE_COSINE_DIFFERENCE: f32 = 0.001;
+
+/// What a punctual light sends to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PunctualIrradiance {
+    /// Unit direction from the point towards the light.
+    pub direction: Vec3,
+    /// Distance in metres, infinite for directional lights.
+    pub distance: f32,
+    /// Irradiance of a surface that faces the light.
+    pub irradiance: Vec3,
+}
+
+/// The specification's windowed inverse-square fall-off, 1/m²: `clamp(1 − (d/range)⁴, 0, 1) / d²`.
+#[inline]
+pub fn distance_attenuation(distance_squared: f32, range: Option<f32>) -> f32 {
+    let window = match range {
+        Some(range) if range > 0.0 => {
+            let ratio = distance_squared / (range * range);
+            (1.0 - ratio * ratio).clamp(0.0, 1.0)
+        }
+        _ => 1.0,
+    };
+    window / distance_squared
+}
+
+/// The specification's recommended cone: the square of the cosine's linear ramp from the outer to the inner angle.
+#[inline]
+pub fn spot_attenuation(cos_angle: f32, inner: f32, outer: f32) -> f32 {
+    let cos_outer = outer.cos();
+    let scale = 1.0 / (inner.cos() - cos_outer).max(MIN_CONE_COSINE_DIFFERENCE);
+    let ramp = ((cos_angle - cos_outer) * scale).clamp(0.0, 1.0);
+    ramp * ramp
+}
+
+/// What `light` sends to `point`, or `None` where that is nothing (out of range or cone, or at the light itself).
+#[inline]
+pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradiance> {
+    if light.kind == PunctualKind::Directional {
+        return (light.intensity != Vec3::ZERO).then_some(PunctualIrradiance {
+            direction: -light.direction,
+            distance: f32::INFINITY,
+            irradiance: light.intensity,
+        });
+    }
+    let to_light = light.position - point;
+    let distance_squared = to_light.length_squared();
+    let distance = distance_squared.sqrt();
+    let direction = to_light / distance;
+    if !direction.is_finite() || distance == 0.0 {
+        return None;
+    }
+    let mut attenuation = distance_attenuation(distance_squared, light.range);
+    if let PunctualKind::Spot { inner, outer } = light.kind {
+        attenuation *= spot_attenuation(-direction.dot(light.direction), inner, outer);
+    }
+    let irradiance = light.intensity * attenuation;
+    (irradiance.max_element() > 0.0 && irradiance.is_finite()).then_some(PunctualIrradiance {
+        direction,
+        distance,
+        irradiance,
+    })
+}
+
+/// Power in watts (channel mean) that a light sends into a scene of the given radius; ranges are ignored.
+pub fn power(light: &PunctualLight, scene_radius: f32) -> f32 {
+    use std::f32::consts::{PI, TAU};
+    let intensity = light.intensity.element_sum() / 3.0;
+    intensity
+        * match light.kind {
+            PunctualKind::Point => 2.0 * TAU,
+            // ∫ ramp² over the cone, with the ramp linear in the cosine.
+            PunctualKind::Spot { inner, outer } => {
+                TAU * ((1.0 - inner.cos()) + (inner.cos() - outer.cos()).max(0.0) / 3.0)
+            }
+            PunctualKind::Directional => PI * scene_radius * scene_radius,
+        }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{SmallRng, statistics::Estimate, warp};
+
+    fn light(kind: PunctualKind, range: Option<f32>) -> PunctualLight {
+        PunctualLight {
+            name: String::new(),
+            intensity: Vec3::new(8.0, 4.0, 2.0),
+            position: Vec3::new(0.0, 2.0, 0.0),
+            direction: Vec3::NEG_Y,
+            range,
+            kind,
+        }
+    }
+
+    #[test]
+    fn values_computed_by_hand() {
+        let at = |l: &PunctualLight, p: Vec3| irradiance(l, p).map(|i| i.irradiance.x);
+        let point = light(PunctualKind::Point, None);
+        assert_eq!(at(&point, Vec3::ZERO), Some(2.0));
+        assert_eq!(irradiance(&point, Vec3::ZERO).unwrap().direction, Vec3::Y);
+        assert_eq!(irradiance(&point, Vec3::ZERO).unwrap().distance, 2.0);
+        assert_eq!(at(&point, point.position), None);
+        // Half the range: 1 − 1/16 of 8 cd at 2 m.
+        assert_eq!(at(&light(PunctualKind::Point, Some(4.0)), Vec3::ZERO), Some(2.0 * 15.0 / 16.0));
+        assert_eq!(at(&light(PunctualKind::Point, Some(2.0)), Vec3::ZERO), None);
+        // Cone 30° to 60°: on the axis 1, at 45° ((cos 45° − ½) / (cos 30° − ½))², outside nothing.
+        let kind = PunctualKind::Spot { inner: 30f32.to_radians(), outer: 60f32.to_radians() };
+        let spot = light(kind, None);
+        assert_eq!(at(&spot, Vec3::ZERO), Some(2.0));
+        let at_45 = at(&spot, Vec3::new(2.0, 0.0, 0.0)).unwrap();
+        let ramp = (0.5f64.sqrt() - 0.5) / (0.75f64.sqrt() - 0.5);
+        assert!((f64::from(at_45) - ramp * ramp).abs() < 1e-6);
+        assert_eq!(at(&spot, Vec3::new(4.0, 0.0, 0.0)), None);
+        assert_eq!(at(&spot, Vec3::new(0.0, 3.0, 0.0)), None);
+        // Equal angles: a hard edge, no division by zero.
+        assert_eq!(spot_attenuation(1.0, 0.5, 0.5), 1.0);
+        assert_eq!(spot_attenuation(0.6f32.cos(), 0.5, 0.5), 0.0);
+        let sun = light(PunctualKind::Directional, Some(1.0));
+        let i = irradiance(&sun, Vec3::splat(1e6)).unwrap();
+        assert_eq!((i.direction, i.distance, i.irradiance.y), (Vec3::Y, f32::INFINITY, 4.0));
+    }
+
+    #[test]
+    fn power_is_the_flux_through_a_sphere() {
+        for kind in [PunctualKind::Point, PunctualKind::Spot { inner: 0.4, outer: 1.1 }] {
+            let light = light(kind, None);
+            let mut rng = SmallRng::new(1);
+            let mut flux = Estimate::default();
+            for _ in 0..100_000 {
+                let p = light.position + 3.0 * warp::uniform_sphere(rng.vec2());
+                let e = irradiance(&light, p).map_or(0.0, |i| i.irradiance.element_sum() / 3.0);
+                flux.add(f64::from(e) * 36.0 * std::f64::consts::PI);
+            }
+            let z = flux.z(f64::from(power(&light, 1.0)));
+            assert!(z.abs() < 4.0, "{kind:?}: z = {z}");
+        }
+    }
+}
