@@ -1,1 +1,33 @@
-//! TODO
+//! Meshes, ray queries, closed-mesh analysis and distance bounds.
+//!
+//! [`SceneGeometry`] holds instances of [`MeshGeometry`]; both answer closest-hit, any-hit and all-hits queries through
+//! an eight-wide hierarchy whose topology `obvhs` builds. Three promises hold for every query:
+//!
+//! - *Watertight*: no ray passes between triangles that share an edge or a vertex (`triangle_block`, `traversal`).
+//! - *Scale free*: no absolute epsilon; coordinates of 10⁻⁶ and 10⁶ are treated alike, up to 10¹⁸.
+//! - *Deterministic*: the same input gives the same bits, whatever the number of threads.
+//!
+//! A ray leaves a surface from [`offset_origin`], with the error bounds that come with each surface point.
+//! [`Topology`] says whether a mesh is closed and which triangles face the wrong way; [`DistanceBound`] says how far a
+//! walk inside can go without asking.
+
+mod containment;
+mod lanes;
+mod mesh;
+mod offset;
+mod ray;
+mod scene;
+#[cfg(test)]
+mod shapes;
+mod similarity;
+#[cfg(test)]
+mod tests;
+mod traversal;
+mod triangle_block;
+mod wide_bvh;
+
+pub use mesh::MeshGeometry;
+pub use offset::{gamma, offset_origin};
+pub use ray::{Aabb, MeshHit, NearestPoint, Ray};
+pub use scene::{GeometryError, Hit, SceneGeometry, SurfacePoint};
+pub use similarity::Similarity;

@@ -1,0 +1,240 @@
+//! One triangle mesh with its own hierarchy, in its own space.
+
+use super::lanes::{Lanes, Native};
+use super::offset::gamma;
+use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
+use super::traversal::{traverse, traverse_nearest};
+use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
+use super::wide_bvh::WideBvh;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Greatest magnitude of a coordinate; squares and products of three lengths must stay finite.
+const GREATEST: f32 = 1.0e18;
+
+/// Triangles and the hierarchy that answers ray queries about them. Immutable.
+///
+/// Triangles keep the indices they were given. Those that cannot be hit are left out of the hierarchy: a coordinate
+/// that is not finite or beyond 10¹⁸, an index out of range ([`Self::dropped`] counts both), or two equal corners.
+#[derive(Clone)]
+pub struct MeshGeometry {
+    bvh: WideBvh,
+    blocks: Vec<TriangleBlock>,
+    vertices: Vec<[Vec3; 3]>,
+    normals: Vec<Vec3>,
+    dropped: usize,
+    reversed: bool,
+}
+
+impl MeshGeometry {
+    /// Builds from vertex positions and vertex indices; the front of a triangle sees it counter-clockwise.
+    ///
+    /// Deterministic: the number of threads does not change the result.
+    pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        Self::build_oriented(positions, triangles, false)
+    }
+
+    /// As [`Self::build`]; where `reversed`, the front of a triangle sees it clockwise.
+    pub fn build_oriented(positions: &[Vec3], triangles: &[[u32; 3]], reversed: bool) -> Self {
+        let corners = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
+            let usable = |p: &Vec3| p.abs().cmple(Vec3::splat(GREATEST)).all();
+            let at = |i: u32| positions.get(i as usize).copied().filter(usable);
+            Some([at(t[0])?, at(t[1])?, at(t[2])?])
+        };
+        let corners: Vec<Option<[Vec3; 3]>> = triangles.par_iter().map(corners).collect();
+        let dropped = corners.iter().filter(|c| c.is_none()).count();
+        let vertices: Vec<[Vec3; 3]> = corners.par_iter().map(|c| c.unwrap_or_default()).collect();
+        let normals: Vec<Vec3> = vertices
+            .par_iter()
+            .map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) })
+            .collect();
+        let solid = |v: &[Vec3; 3]| v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+        let kept: Vec<u32> =
+            (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
+        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&vertices[i as usize])).collect();
+        let (bvh, blocks) = WideBvh::build(&boxes, 8);
+        let blocks = blocks
+            .par_iter()
+            .map(|block| {
+                let ids = block.map(|lane| kept.get(lane as usize).copied().unwrap_or(super::wide_bvh::NONE));
+                TriangleBlock::new(ids, &vertices, &normals)
+            })
+            .collect();
+        Self { bvh, blocks, vertices, normals, dropped, reversed }
+    }
+
+    /// Triangles that were left out because a coordinate or an index cannot be used.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// Whether the front of a triangle sees it clockwise.
+    pub fn is_reversed(&self) -> bool {
+        self.reversed
+    }
+
+    /// Number of triangles given to the build.
+    pub fn triangle_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Box around all triangles that can be hit.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds
+    }
+
+    /// Corners of a triangle, in the order of its indices (zeros where it was dropped).
+    pub fn triangle(&self, triangle: u32) -> [Vec3; 3] {
+        self.vertices[triangle as usize]
+    }
+
+    /// Unit normal on the front side of a triangle.
+    ///
+    /// A triangle without area has some unit vector across its longest edge.
+    #[inline]
+    pub fn geometric_normal(&self, triangle: u32) -> Vec3 {
+        self.normals[triangle as usize]
+    }
+
+    /// The point of a triangle with the given barycentric weights, and a bound of its error on each axis.
+    ///
+    /// The bound counts what moves the point off the triangle's plane (rounding of `v0 + u e1 + v e2`, in the manner
+    /// of PBRT 6.8.5) and what the plane's side can be mistaken by in the intersection test; errors of u and v
+    /// move it within the plane.
+    #[inline]
+    pub fn point(&self, triangle: u32, u: f32, v: f32) -> (Vec3, Vec3) {
+        let [v0, v1, v2] = self.vertices[triangle as usize];
+        let (e1, e2) = (u * (v1 - v0), v * (v2 - v0));
+        (v0 + (e1 + e2), gamma(10) * (e1.abs() + e2.abs()) + gamma(2) * v0.abs())
+    }
+
+    /// Closest hit.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
+        self.intersect_with::<Native>(ray)
+    }
+
+    /// Whether anything is hit.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.occluded_with::<Native>(ray)
+    }
+
+    /// All hits, sorted by distance (then by triangle), in place of what `hits` held.
+    pub fn intersect_all(&self, ray: &Ray, hits: &mut Vec<MeshHit>) {
+        self.intersect_all_with::<Native>(ray, hits);
+    }
+
+    /// The point of the mesh nearest to `p`, if it is nearer than `upper_bound`.
+    ///
+    /// A good upper bound makes it fast; infinity is allowed.
+    pub fn nearest(&self, p: Vec3, upper_bound: f32) -> Option<NearestPoint> {
+        self.nearest_with::<Native>(p, upper_bound)
+    }
+
+    /// Whether both hierarchies are the same, node by node.
+    #[cfg(test)]
+    pub(super) fn same_layout(&self, other: &Self) -> bool {
+        let children = |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
+        let ids = |mesh: &Self| mesh.blocks.iter().map(|b| b.ids).collect::<Vec<_>>();
+        children(self) == children(other) && ids(self) == ids(other)
+    }
+
+    #[inline(always)]
+    pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
+        let shear = ShearRay::<L>::new(ray);
+        let mut closest = None;
+        traverse::<L, true>(&self.bvh, ray, |block, mut t_max| {
+            let block = &self.blocks[block as usize];
+            if let Some(hits) = block.intersect(&shear, t_max) {
+                for lane in bits(hits.mask) {
+                    if hits.t[lane] < t_max {
+                        t_max = hits.t[lane];
+                        closest =
+                            Some(MeshHit { t: t_max, triangle: block.ids[lane], u: hits.u[lane], v: hits.v[lane] });
+                    }
+                }
+            }
+            t_max
+        });
+        closest
+    }
+
+    #[inline(always)]
+    pub(super) fn occluded_with<L: Lanes>(&self, ray: &Ray) -> bool {
+        let shear = ShearRay::<L>::new(ray);
+        let mut found = false;
+        traverse::<L, false>(&self.bvh, ray, |block, t_max| {
+            found = self.blocks[block as usize].intersect(&shear, t_max).is_some();
+            if found { -1.0 } else { t_max }
+        });
+        found
+    }
+
+    #[inline(always)]
+    pub(super) fn intersect_all_with<L: Lanes>(&self, ray: &Ray, hits: &mut Vec<MeshHit>) {
+        hits.clear();
+        let shear = ShearRay::<L>::new(ray);
+        traverse::<L, false>(&self.bvh, ray, |block, t_max| {
+            let block = &self.blocks[block as usize];
+            if let Some(found) = block.intersect(&shear, t_max) {
+                hits.extend(bits(found.mask).map(|lane| MeshHit {
+                    t: found.t[lane],
+                    triangle: block.ids[lane],
+                    u: found.u[lane],
+                    v: found.v[lane],
+                }));
+            }
+            t_max
+        });
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+    }
+
+    #[inline(always)]
+    pub(super) fn nearest_with<L: Lanes>(&self, p: Vec3, upper_bound: f32) -> Option<NearestPoint> {
+        let mut best = None;
+        traverse_nearest::<L>(&self.bvh, p, upper_bound * upper_bound, |block, mut bound| {
+            let block = &self.blocks[block as usize];
+            let squared = block.squared_distances::<L>(p);
+            for (lane, &d) in squared.iter().enumerate() {
+                if d < bound {
+                    bound = d;
+                    best = Some(block.ids[lane]);
+                }
+            }
+            bound
+        });
+        best.map(|triangle| {
+            let corners = self.triangle(triangle);
+            let (u, v) = nearest_barycentrics(&corners, p);
+            let q = (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v + corners[0];
+            NearestPoint { distance: p.distance(q), triangle, u, v }
+        })
+    }
+}
+
+/// The set bits of a lane mask.
+#[inline(always)]
+fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let lane = mask.trailing_zeros() as usize & 7;
+            mask &= mask - 1;
+            lane
+        })
+    })
+}
+
+/// Counter-clockwise unit normal, computed in double precision.
+fn unit_normal(v: &[Vec3; 3]) -> Vec3 {
+    let [a, b, c] = v.map(|v| v.as_dvec3());
+    let edges = [b - a, c - b, a - c];
+    let n = edges[0].cross(edges[1]);
+    // Scaled first: the square of an area can underflow.
+    let n = n / n.abs().max_element();
+    if n.is_finite() {
+        return n.normalize().as_vec3();
+    }
+    let longest = edges.into_iter().fold(glam::DVec3::ZERO, |l, e| if e.length_squared() > l.length_squared() { e } else { l });
+    longest.try_normalize().map_or(Vec3::Z, |e| e.any_orthonormal_vector().as_vec3())
+}

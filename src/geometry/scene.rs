@@ -1,0 +1,224 @@
+//! Placed meshes: a hierarchy of instances above the meshes' own.
+//!
+//! Every instance maps its mesh by a [`Similarity`], so that directions stay unit vectors, angles are kept and lengths
+//! change by one factor: a walk through a medium can run in local space. A transform that shears or stretches has its
+//! linear part baked into a mesh of its own, and only its translation is left.
+
+use super::lanes::Native;
+use super::mesh::MeshGeometry;
+use super::ray::{Aabb, MeshHit, Ray};
+use super::similarity::{Kind, Similarity};
+use super::traversal::traverse;
+use super::wide_bvh::WideBvh;
+use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
+
+/// Why a scene cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GeometryError {
+    /// The transform of an instance has no inverse, or is not finite.
+    #[error("instance {instance}: the transform cannot be inverted: give every axis a finite, non-zero scale")]
+    SingularTransform {
+        /// Index of the instance.
+        instance: usize,
+    },
+    /// An instance names a mesh that is not there.
+    #[error("instance {instance}: there is no mesh {mesh}, only {count}")]
+    NoSuchMesh {
+        /// Index of the instance.
+        instance: usize,
+        /// The index it names.
+        mesh: usize,
+        /// Number of meshes.
+        count: usize,
+    },
+}
+
+/// Where a ray meets the scene. The point is `(1 - u - v) v0 + u v1 + v v2` of the instance's triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray, world metres.
+    pub t: f32,
+    /// Index of the instance.
+    pub instance: u32,
+    /// Index of the triangle in its mesh.
+    pub triangle: u32,
+    /// Barycentric weight of the second vertex, in \[0, 1\].
+    pub u: f32,
+    /// Barycentric weight of the third vertex, in \[0, 1\].
+    pub v: f32,
+}
+
+/// A point of a surface in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Position, world metres.
+    pub position: Vec3,
+    /// Bounds of the position's error on each axis; see [`super::offset_origin`].
+    pub error: Vec3,
+    /// Unit normal on the front side, as glTF defines it.
+    pub geometric_normal: Vec3,
+}
+
+struct Instance {
+    geometry: u32,
+    transform: Similarity,
+}
+
+/// Instances of meshes, and the queries of a path tracer. Immutable.
+pub struct SceneGeometry {
+    geometries: Vec<MeshGeometry>,
+    instances: Vec<Instance>,
+    bvh: WideBvh,
+    /// Instance of each leaf of `bvh`.
+    leaves: Vec<u32>,
+}
+
+impl SceneGeometry {
+    /// Builds meshes (positions and triangles) and the hierarchy of instances (mesh index and mesh-to-world map).
+    ///
+    /// A mesh that several similar instances share is built once. Deterministic.
+    pub fn build(
+        meshes: Vec<(Vec<Vec3>, Vec<[u32; 3]>)>,
+        instances: &[(usize, Affine3A)],
+    ) -> Result<Self, GeometryError> {
+        enum Source {
+            Shared(usize),
+            Baked(usize, Affine3A),
+        }
+        let mut sources = Vec::new();
+        let mut shared = vec![None; meshes.len()];
+        let mut placed = Vec::with_capacity(instances.len());
+        for (instance, (mesh, transform)) in instances.iter().enumerate() {
+            let Some(slot) = shared.get_mut(*mesh) else {
+                return Err(GeometryError::NoSuchMesh { instance, mesh: *mesh, count: meshes.len() });
+            };
+            let (geometry, transform) = match Similarity::classify(transform) {
+                Kind::Singular => return Err(GeometryError::SingularTransform { instance }),
+                Kind::Similar(similarity) => {
+                    let geometry = *slot.get_or_insert_with(|| {
+                        sources.push(Source::Shared(*mesh));
+                        sources.len() - 1
+                    });
+                    (geometry, similarity)
+                }
+                Kind::Affine => {
+                    sources.push(Source::Baked(*mesh, *transform));
+                    (sources.len() - 1, Similarity::from_translation(transform.translation.into()))
+                }
+            };
+            placed.push(Instance { geometry: geometry as u32, transform });
+        }
+        let build = |source: &Source| match source {
+            Source::Shared(mesh) => MeshGeometry::build(&meshes[*mesh].0, &meshes[*mesh].1),
+            Source::Baked(mesh, transform) => {
+                let (positions, triangles) = &meshes[*mesh];
+                let positions: Vec<Vec3> = positions.iter().map(|&p| transform.transform_vector3(p)).collect();
+                MeshGeometry::build_oriented(&positions, triangles, transform.matrix3.determinant() < 0.0)
+            }
+        };
+        let geometries: Vec<MeshGeometry> = sources.par_iter().map(build).collect();
+        let bounds_of = |i: &Instance| i.transform.bounds(&geometries[i.geometry as usize].bounds());
+        let bounds: Vec<Aabb> = placed.iter().map(bounds_of).collect();
+        let kept: Vec<u32> = (0..placed.len() as u32)
+            .filter(|&i| !bounds[i as usize].is_empty() && bounds[i as usize].min.is_finite())
+            .filter(|&i| bounds[i as usize].max.is_finite())
+            .collect();
+        let boxes: Vec<Aabb> = kept.iter().map(|&i| bounds[i as usize]).collect();
+        let (bvh, blocks) = WideBvh::build(&boxes, 1);
+        let leaves = blocks.iter().map(|block| kept[block[0] as usize]).collect();
+        Ok(Self { geometries, instances: placed, bvh, leaves })
+    }
+
+    /// Box around everything that can be hit, world metres; empty for an empty scene.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds
+    }
+
+    /// Number of instances given to the build.
+    pub fn instance_count(&self) -> usize {
+        self.instances.len()
+    }
+
+    /// Number of meshes that were built: shared ones, and one for each baked instance.
+    pub fn geometry_count(&self) -> usize {
+        self.geometries.len()
+    }
+
+    /// The mesh of an instance, in the local space of [`Self::transform`].
+    #[inline]
+    pub fn mesh_of(&self, instance: u32) -> &MeshGeometry {
+        &self.geometries[self.instances[instance as usize].geometry as usize]
+    }
+
+    /// Index below [`Self::geometry_count`] of an instance's mesh: a key for what is computed once a mesh.
+    #[inline]
+    pub fn geometry_index(&self, instance: u32) -> usize {
+        self.instances[instance as usize].geometry as usize
+    }
+
+    /// Local-to-world map of an instance.
+    #[inline]
+    pub fn transform(&self, instance: u32) -> &Similarity {
+        &self.instances[instance as usize].transform
+    }
+
+    /// Closest hit.
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let mut closest = None;
+        traverse::<Native, true>(&self.bvh, ray, |leaf, t_max| {
+            let instance = self.leaves[leaf as usize];
+            match self.intersect_instance(instance, &Ray { t_max, ..*ray }) {
+                Some(hit) if hit.t < t_max => {
+                    closest = Some(hit);
+                    hit.t
+                }
+                _ => t_max,
+            }
+        });
+        closest
+    }
+
+    /// Whether anything is hit.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut found = false;
+        traverse::<Native, false>(&self.bvh, ray, |leaf, t_max| {
+            let instance = self.leaves[leaf as usize];
+            found = self.mesh_of(instance).occluded(&self.transform(instance).inverse_ray(ray));
+            if found { -1.0 } else { t_max }
+        });
+        found
+    }
+
+    /// Closest hit of one instance.
+    #[inline]
+    pub fn intersect_instance(&self, instance: u32, ray: &Ray) -> Option<Hit> {
+        let transform = self.transform(instance);
+        let hit = self.mesh_of(instance).intersect(&transform.inverse_ray(ray))?;
+        Some(to_world(instance, transform, hit))
+    }
+
+    /// All hits of one instance, sorted by distance, in place of what `hits` held.
+    pub fn intersect_all_of(&self, instance: u32, ray: &Ray, hits: &mut Vec<Hit>) {
+        let transform = self.transform(instance);
+        let mut local = Vec::new();
+        self.mesh_of(instance).intersect_all(&transform.inverse_ray(ray), &mut local);
+        hits.clear();
+        hits.extend(local.into_iter().map(|hit| to_world(instance, transform, hit)));
+    }
+
+    /// The point of a hit in world space.
+    #[inline]
+    pub fn surface(&self, hit: &Hit) -> SurfacePoint {
+        let (mesh, transform) = (self.mesh_of(hit.instance), self.transform(hit.instance));
+        let (local, error) = mesh.point(hit.triangle, hit.u, hit.v);
+        let (position, error) = transform.point_with_error(local, error);
+        let geometric_normal = transform.direction(mesh.geometric_normal(hit.triangle));
+        SurfacePoint { position, error, geometric_normal }
+    }
+}
+
+#[inline(always)]
+fn to_world(instance: u32, transform: &Similarity, hit: MeshHit) -> Hit {
+    Hit { t: transform.scale * hit.t, instance, triangle: hit.triangle, u: hit.u, v: hit.v }
+}

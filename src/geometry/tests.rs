@@ -1,0 +1,411 @@
+//! Ray queries against double precision, and the promises of the room: watertight, scale free, deterministic.
+
+use super::lanes::{Native, Portable};
+use super::shapes::{Random, cuboid, merge, place, soup, sphere};
+use super::{Aabb, GeometryError, MeshGeometry, MeshHit, Ray, SceneGeometry, Similarity, offset_origin};
+use glam::{Affine3A, DVec3, Mat3, Mat3A, Quat, Vec3};
+
+/// Möller & Trumbore in double precision: (t, u, v) of any crossing of the plane.
+fn exact(triangle: &[Vec3; 3], ray: &Ray) -> Option<(f64, f64, f64)> {
+    let [a, b, c] = triangle.map(|v| v.as_dvec3());
+    let (e1, e2, d) = (b - a, c - a, ray.direction.as_dvec3());
+    let p = d.cross(e2);
+    let det = e1.dot(p);
+    let s = ray.origin.as_dvec3() - a;
+    let q = s.cross(e1);
+    (det != 0.0).then(|| (e2.dot(q) / det, s.dot(p) / det, d.dot(q) / det))
+}
+
+#[test]
+fn hits_agree_with_double_precision() {
+    for (seed, scale, shift) in [(1, 1.0, 0.0), (2, 1.0e-6, 0.0), (3, 1.0e6, 0.0), (4, 1.0, 20.0)] {
+        let shift = Vec3::splat(shift);
+        let (positions, triangles) = place(soup(600, 0.3, seed), scale, shift);
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        let mut random = Random(seed);
+        let (mut found, mut all) = (0, Vec::new());
+        for _ in 0..4000 {
+            let ray = Ray::new(random.cube() * scale + shift, random.direction());
+            let crossings: Vec<_> = (0..600)
+                .filter_map(|i| exact(&mesh.triangle(i), &ray).map(|(t, u, v)| (i, t, u, v, u.min(v).min(1.0 - u - v))))
+                .filter(|c| c.1 > 0.0)
+                .collect();
+            let closest = crossings.iter().filter(|c| c.4 > 0.0).min_by(|a, b| a.1.total_cmp(&b.1));
+            // Cases that single precision may decide otherwise: near an edge (needles: relative to their width).
+            let unsure = |bound: f64| crossings.iter().any(|c| c.4.abs() < 2.0e-3 && c.1 < bound);
+            let hit = mesh.intersect(&ray);
+            assert_eq!(mesh.occluded(&ray), hit.is_some());
+            mesh.intersect_all(&ray, &mut all);
+            assert_eq!(all.first().map(|h| h.t), hit.map(|h| h.t));
+            assert!(all.windows(2).all(|w| w[0].t <= w[1].t));
+            if unsure(f64::INFINITY) {
+                continue;
+            }
+            assert_eq!(all.len(), crossings.iter().filter(|c| c.4 > 0.0).count());
+            match (hit, closest) {
+                (Some(hit), Some(&(triangle, t, u, v, _))) => {
+                    found += 1;
+                    assert_eq!(hit.triangle, triangle);
+                    assert!((f64::from(hit.t) - t).abs() < 2.0e-3 * t, "t = {} or {t}", hit.t);
+                    let p = mesh.point(triangle, hit.u, hit.v).0.as_dvec3();
+                    let [a, b, c] = mesh.triangle(triangle).map(|v| v.as_dvec3());
+                    let q = a + u * (b - a) + v * (c - a);
+                    let place = f64::from(shift.x) + f64::from(scale);
+                    assert!(p.distance(q) < 1.0e-3 * place, "{p} or {q}");
+                }
+                (None, None) => {}
+                other => panic!("{other:?}"),
+            }
+        }
+        assert!(found > 400, "only {found} rays hit");
+    }
+}
+
+#[test]
+fn no_ray_leaves_a_closed_mesh() {
+    let shapes = [
+        (1.0, Vec3::ZERO),
+        (1.0e-6, Vec3::ZERO),
+        (1.0e6, Vec3::ZERO),
+        (1.0, Vec3::new(30.0, -7.0, 100.0)),
+    ];
+    let mut leaks = 0;
+    for (scale, shift) in shapes {
+        let (positions, triangles) = place(sphere(4, 0.3, 5), scale, shift);
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        let mut random = Random(6);
+        for i in 0..2_500_000_u32 {
+            let origin = random.cube() * (0.3 * scale) + shift;
+            let direction = match i % 8 {
+                0 => (positions[random.below(positions.len())] - origin).normalize(),
+                1 => {
+                    let [a, b, _] = mesh.triangle(random.below(triangles.len()) as u32);
+                    (a + (b - a) * random.unit() - origin).normalize()
+                }
+                2 => [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z][random.below(6)],
+                _ => random.direction(),
+            };
+            leaks += u32::from(mesh.intersect(&Ray::new(origin, direction)).is_none());
+        }
+    }
+    assert_eq!(leaks, 0);
+}
+
+#[test]
+fn rays_along_the_symmetries_of_a_box_hit_it() {
+    for scale in [1.0e-6, 1.0, 1.0e6] {
+        let (positions, triangles) = cuboid(Vec3::splat(-scale), Vec3::splat(scale));
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        for code in 0..27 {
+            let d = Vec3::new((code % 3) as f32, (code / 3 % 3) as f32, (code / 9) as f32) - 1.0;
+            if d != Vec3::ZERO {
+                let inside = mesh.intersect(&Ray::new(Vec3::ZERO, d.normalize()));
+                let t = inside.map_or(f32::NAN, |h| h.t);
+                assert!((t / (d.length() * scale) - 1.0).abs() < 1.0e-6, "from inside along {d}: {inside:?}");
+                let outside = mesh.intersect(&Ray::new(-4.0 * scale * d, d.normalize()));
+                assert!(outside.is_some(), "from outside along {d}");
+            }
+        }
+    }
+}
+
+#[test]
+fn both_kinds_of_lanes_give_the_same_bits() {
+    let (positions, triangles) = merge(soup(3000, 0.2, 8), sphere(3, 0.2, 9));
+    let mesh = MeshGeometry::build(&positions, &triangles);
+    let mut random = Random(10);
+    let (mut a, mut b): (Vec<MeshHit>, Vec<MeshHit>) = Default::default();
+    for i in 0..20_000 {
+        let mut direction = random.direction();
+        if i % 5 == 0 {
+            direction = Vec3::new(0.0, direction.x.signum(), -0.0);
+        }
+        let t_max = if i % 3 == 0 { 0.2 * random.unit() } else { f32::INFINITY };
+        let ray = Ray { origin: random.cube(), direction, t_max };
+        assert_eq!(mesh.intersect_with::<Native>(&ray), mesh.intersect_with::<Portable>(&ray));
+        assert_eq!(mesh.occluded_with::<Native>(&ray), mesh.occluded_with::<Portable>(&ray));
+        mesh.intersect_all_with::<Native>(&ray, &mut a);
+        mesh.intersect_all_with::<Portable>(&ray, &mut b);
+        assert_eq!(a, b);
+        let p = 1.5 * ray.origin;
+        assert_eq!(mesh.nearest_with::<Native>(p, t_max), mesh.nearest_with::<Portable>(p, t_max));
+    }
+}
+
+#[test]
+fn a_ray_that_leaves_a_triangle_does_not_find_it_again() {
+    let mut random = Random(11);
+    for round in 0..20 {
+        let size = 10.0_f32.powi(round % 4 - 2);
+        let shift = if round % 2 == 0 { Vec3::ZERO } else { 50.0 * random.cube() };
+        let (positions, triangles) = place(soup(100, size, 12 + round as u64), 1.0, shift);
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        for i in 0..200_000 {
+            let id = random.below(100) as u32;
+            let (u, v) = (random.unit(), random.unit());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let (p, error) = mesh.point(id, u, v);
+            let n = mesh.geometric_normal(id);
+            let mut direction = random.direction();
+            if i % 4 == 0 {
+                // Grazing.
+                direction = (direction - direction.dot(n) * n + random.cube() * 1.0e-3).normalize();
+            }
+            let ray = Ray::new(offset_origin(p, error, n, direction), direction);
+            let again = mesh.intersect(&ray).is_some_and(|h| h.triangle == id);
+            assert!(!again, "left {:?} at {p} along {direction}", mesh.triangle(id));
+        }
+    }
+}
+
+#[test]
+fn slabs_of_every_thickness_keep_what_is_inside() {
+    for thickness in [1.0e-6_f32, 1.0e-3, 1.0, 1.0e3] {
+        for turn in [Quat::IDENTITY, Quat::from_rotation_x(0.7), Quat::from_rotation_z(1.1) * Quat::from_rotation_y(2.0)] {
+            // Ten times as wide as thick, one face through the origin.
+            let wide = 5.0 * thickness;
+            let (positions, triangles) = cuboid(Vec3::new(-wide, 0.0, -wide), Vec3::new(wide, thickness, wide));
+            let place = Affine3A::from_rotation_translation(turn, Vec3::new(0.1, -0.2, 0.3) * thickness);
+            let scene = SceneGeometry::build(vec![(positions, triangles)], &[(0, place)]).unwrap();
+            let mut random = Random(13);
+            for _ in 0..20_000 {
+                let local = Vec3::new(2.0 * random.unit() - 1.0, 0.5, 2.0 * random.unit() - 1.0) * thickness;
+                let ray = Ray::new(place.transform_point3(local), random.direction());
+                let hit = scene.intersect(&ray).expect("the slab is closed");
+                let s = scene.surface(&hit);
+                // Back in: must leave through another face, after a distance of the slab's order.
+                let mut back = random.direction();
+                if back.dot(s.geometric_normal) > 0.0 {
+                    back = -back;
+                }
+                let inside = Ray::new(offset_origin(s.position, s.error, s.geometric_normal, back), back);
+                let out = scene.intersect(&inside).expect("the ray goes in");
+                let other = scene.surface(&out).geometric_normal;
+                assert!(other.dot(s.geometric_normal) < 0.5, "the same face is found again at {}", out.t);
+                // On: nothing is there.
+                let leave = Ray::new(offset_origin(s.position, s.error, s.geometric_normal, -back), -back);
+                assert!(!scene.occluded(&leave), "outside there is nothing");
+                // The offset is far below any length of the slab.
+                assert!(inside.origin.distance(s.position) < 1.0e-4 * thickness);
+            }
+        }
+    }
+}
+
+#[test]
+fn nearest_points_agree_with_brute_force() {
+    let (positions, triangles) = soup(400, 0.3, 14);
+    let mesh = MeshGeometry::build(&positions, &triangles);
+    let mut random = Random(15);
+    for _ in 0..2000 {
+        let p = 2.0 * random.cube();
+        let brute = (0..400)
+            .map(|i| {
+                let corners = mesh.triangle(i);
+                let (u, v) = super::triangle_block::nearest_barycentrics(&corners, p);
+                mesh.point(i, u, v).0.distance(p)
+            })
+            .fold(f32::INFINITY, f32::min);
+        let found = mesh.nearest(p, f32::INFINITY).unwrap();
+        assert!((found.distance - brute).abs() <= 4.0e-6 * (brute + 1.0), "{found:?}, not {brute}");
+        assert!(mesh.nearest(p, 0.99 * brute).is_none());
+        assert!(mesh.nearest(p, 1.01 * brute).is_some());
+    }
+}
+
+#[test]
+fn the_nearest_barycentrics_are_a_minimum() {
+    let mut random = Random(16);
+    for _ in 0..2000 {
+        let corners = [random.cube(), random.cube(), random.cube()];
+        let p = 2.0 * random.cube();
+        let at = |u: f32, v: f32| corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+        let (u, v) = super::triangle_block::nearest_barycentrics(&corners, p);
+        assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.000_001);
+        let (mut a, mut b) = (random.unit(), random.unit());
+        if a + b > 1.0 {
+            (a, b) = (1.0 - a, 1.0 - b);
+        }
+        assert!(p.distance(at(u, v)) <= p.distance(at(a, b)) + 1.0e-6);
+    }
+}
+
+#[test]
+fn hostile_meshes_do_no_harm() {
+    let nan = f32::NAN;
+    let ray = Ray::new(Vec3::new(0.1, 0.1, -1.0), Vec3::Z);
+    let ask = |positions: &[Vec3], triangles: &[[u32; 3]]| {
+        let mesh = MeshGeometry::build(positions, triangles);
+        let mut hits = Vec::new();
+        mesh.intersect_all(&ray, &mut hits);
+        mesh.nearest(Vec3::ZERO, f32::INFINITY);
+        mesh.contains(Vec3::splat(0.1));
+        assert_eq!(mesh.occluded(&ray), mesh.intersect(&ray).is_some());
+        (mesh.dropped(), hits.len())
+    };
+    let corner = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    assert_eq!(ask(&[], &[]), (0, 0));
+    assert_eq!(ask(&[], &[[0, 1, 2]]), (1, 0));
+    assert_eq!(ask(&corner, &[]), (0, 0));
+    assert_eq!(ask(&corner, &[[0, 1, 2]]), (0, 1));
+    assert_eq!(ask(&corner, &[[0, 1, 2], [0, 1, 3], [0, 0, 1], [2, 2, 2]]), (1, 1));
+    assert_eq!(ask(&[Vec3::ZERO, Vec3::new(nan, 0.0, 0.0), Vec3::Y], &[[0, 1, 2]]), (1, 0));
+    assert_eq!(ask(&[Vec3::ZERO, Vec3::new(0.0, f32::INFINITY, 0.0), Vec3::Y], &[[0, 1, 2]]), (1, 0));
+    assert_eq!(ask(&[Vec3::ZERO, Vec3::X * 1.0e30, Vec3::Y], &[[0, 1, 2]]), (1, 0));
+    ask(&[Vec3::ZERO, Vec3::X * 1.0e18, Vec3::Y * 1.0e18], &[[0, 1, 2]]);
+    ask(&[Vec3::ZERO, Vec3::X * 1.0e-38, Vec3::Y * 1.0e-40], &[[0, 1, 2]]);
+    // A thousand equal triangles, and sizes that grow by a factor: deep trees.
+    assert_eq!(ask(&corner, &vec![[0, 1, 2]; 1000]), (0, 1000));
+    let towers: Vec<Vec3> = (0..600).flat_map(|i| corner.map(|p| p * 1.13_f32.powi(i - 300))).collect();
+    let triangles: Vec<[u32; 3]> = (0..600).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    ask(&towers, &triangles);
+    // Points on a line.
+    ask(&[Vec3::ZERO, Vec3::X, 2.0 * Vec3::X], &[[0, 1, 2]]);
+    // Rays that are not what they should be.
+    let (positions, triangles) = sphere(2, 0.0, 1);
+    let mesh = MeshGeometry::build(&positions, &triangles);
+    for bad in [Vec3::ZERO, Vec3::splat(nan), Vec3::splat(f32::INFINITY), Vec3::splat(1.0e-30)] {
+        mesh.intersect(&Ray::new(Vec3::ZERO, bad));
+        mesh.intersect(&Ray::new(bad, Vec3::X));
+        mesh.occluded(&Ray { origin: bad, direction: bad, t_max: nan });
+        mesh.nearest(bad, nan);
+    }
+    assert!(mesh.intersect(&Ray { t_max: -1.0, ..ray }).is_none());
+}
+
+#[test]
+fn transforms_are_sorted_into_similar_affine_and_singular() {
+    let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.5);
+    let similar = Affine3A::from_scale_rotation_translation(Vec3::splat(0.37), turn, Vec3::new(1.0, 2.0, 3.0));
+    let mirrored = Affine3A::from_scale_rotation_translation(Vec3::new(-2.0, 2.0, 2.0), turn, Vec3::ONE);
+    let stretched = Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 1.001, 1.0), turn, Vec3::ONE);
+    let flat = Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    let broken = Affine3A::from_mat3(Mat3::from_diagonal(Vec3::new(1.0, f32::NAN, 1.0)));
+    let similarity = Similarity::from_affine(&similar).unwrap();
+    assert!((similarity.scale - 0.37).abs() < 1.0e-7 && !similarity.mirrors());
+    assert!(Similarity::from_affine(&mirrored).unwrap().mirrors());
+    assert!(Similarity::from_affine(&stretched).is_none());
+    let mesh = sphere(1, 0.0, 1);
+    let build = |transform| SceneGeometry::build(vec![mesh.clone()], &[(0, Affine3A::IDENTITY), (0, transform)]);
+    assert_eq!(build(similar).unwrap().geometry_count(), 1);
+    assert_eq!(build(mirrored).unwrap().geometry_count(), 1);
+    assert_eq!(build(stretched).unwrap().geometry_count(), 2);
+    for bad in [flat, broken] {
+        assert_eq!(build(bad).err(), Some(GeometryError::SingularTransform { instance: 1 }));
+    }
+    let none = SceneGeometry::build(Vec::new(), &[(3, Affine3A::IDENTITY)]).err();
+    assert_eq!(none, Some(GeometryError::NoSuchMesh { instance: 0, mesh: 3, count: 0 }));
+    let empty = SceneGeometry::build(Vec::new(), &[]).unwrap();
+    assert!(empty.bounds().is_empty() && empty.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none());
+}
+
+#[test]
+fn instances_answer_like_the_mesh_in_world_space() {
+    let mesh = sphere(3, 0.3, 17);
+    let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.5);
+    let transforms = [
+        Affine3A::from_scale_rotation_translation(Vec3::splat(0.4), turn, Vec3::new(-2.0, 0.0, 0.0)),
+        Affine3A::from_scale_rotation_translation(Vec3::new(0.4, 0.4, -0.4), turn, Vec3::ZERO),
+        Affine3A::from_scale_rotation_translation(Vec3::new(0.9, -0.2, 0.5), turn, Vec3::new(2.0, 0.0, 0.0)),
+        Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(0.5, 1.0, 0.0), Vec3::Z)) * Affine3A::from_translation(Vec3::Y * 3.0),
+    ];
+    let instances: Vec<_> = transforms.iter().map(|&t| (0, t)).collect();
+    let scene = SceneGeometry::build(vec![mesh.clone()], &instances).unwrap();
+    assert_eq!(scene.geometry_count(), 3);
+    let count = mesh.1.len() as u32;
+    let world = transforms.iter().fold((Vec::new(), Vec::new()), |all, t| {
+        merge(all, (mesh.0.iter().map(|&p| t.transform_point3(p)).collect(), mesh.1.clone()))
+    });
+    let flat = MeshGeometry::build(&world.0, &world.1);
+    let mut random = Random(18);
+    let (mut hits, mut all) = (0, Vec::new());
+    for _ in 0..20_000 {
+        let ray = Ray::new(4.0 * random.cube(), random.direction());
+        let (a, b) = (scene.intersect(&ray), flat.intersect(&ray));
+        assert_eq!(a.is_some(), b.is_some());
+        assert_eq!(scene.occluded(&ray), a.is_some());
+        let (Some(a), Some(b)) = (a, b) else { continue };
+        hits += 1;
+        if a.instance * count + a.triangle != b.triangle {
+            // Either triangle of an edge.
+            assert!((a.t - b.t).abs() < 1.0e-4);
+            continue;
+        }
+        assert!((a.t - b.t).abs() < 1.0e-4 && (a.u - b.u).abs() < 1.0e-2);
+        let s = scene.surface(&a);
+        let q = flat.point(b.triangle, b.u, b.v).0;
+        assert!(s.position.distance(q) < 1.0e-4);
+        // The front is where glTF says: the mesh's outside, also under a mirror.
+        let mirrored = transforms[a.instance as usize].matrix3.determinant() < 0.0;
+        let winding = flat.geometric_normal(b.triangle) * if mirrored { -1.0 } else { 1.0 };
+        assert!(s.geometric_normal.dot(winding) > 0.999);
+        assert!(s.geometric_normal.is_normalized());
+        assert_eq!(scene.intersect_instance(a.instance, &ray), Some(a));
+        scene.intersect_all_of(a.instance, &ray, &mut all);
+        assert_eq!(all[0], a);
+        // All crossings of a closed object are pairs, apart from rays through an edge.
+        assert!(all.len() % 2 == usize::from(s.geometric_normal.dot(ray.direction) > 0.0) || all.len() > 1);
+    }
+    assert!(hits > 1000);
+}
+
+#[test]
+fn similarities_invert_within_their_error() {
+    let mut random = Random(19);
+    for _ in 0..20_000 {
+        let scale = 10.0_f32.powf(6.0 * random.unit() - 3.0) * if random.unit() < 0.5 { -1.0 } else { 1.0 };
+        let turn = Quat::from_axis_angle(random.direction(), 6.0 * random.unit());
+        let shift = random.cube() * 10.0_f32.powf(6.0 * random.unit() - 3.0);
+        let affine = Affine3A { matrix3: Mat3A::from_quat(turn) * scale, translation: shift.into() };
+        let map = Similarity::from_affine(&affine).unwrap();
+        let p = random.cube();
+        let (q, error) = map.point_with_error(p, Vec3::ZERO);
+        let rotation = map.rotation.as_dmat3();
+        let truth = rotation * (p.as_dvec3() * f64::from(map.scale)) + shift.as_dvec3();
+        assert!((q.as_dvec3() - truth).abs().cmple(error.as_dvec3()).all());
+        let back: DVec3 = map.inverse_point(q).as_dvec3() - p.as_dvec3();
+        let back = (rotation * back * f64::from(map.scale)).abs();
+        assert!(back.cmple(error.as_dvec3()).all(), "{back} above {error}");
+        let n = random.direction();
+        assert!((map.inverse_direction(map.direction(n)) - n).length() < 1.0e-6);
+    }
+}
+
+#[test]
+fn builds_are_deterministic_and_boxes_are_exact() {
+    let (positions, triangles) = sphere(5, 0.1, 20);
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| MeshGeometry::build(&positions, &triangles))
+    };
+    let (a, b) = (build(1), build(3));
+    assert_eq!(a.bounds(), Aabb::from_points(&positions));
+    let mut random = Random(21);
+    let (mut in_a, mut in_b) = (Vec::new(), Vec::new());
+    for _ in 0..2000 {
+        let ray = Ray::new(2.0 * random.cube(), random.direction());
+        assert_eq!(a.intersect(&ray), b.intersect(&ray));
+        a.intersect_all(&ray, &mut in_a);
+        b.intersect_all(&ray, &mut in_b);
+        assert_eq!(in_a, in_b);
+    }
+    assert!(a.same_layout(&b));
+}
+
+#[test]
+fn points_are_inside_where_they_should_be() {
+    let outer = cuboid(Vec3::splat(-1.0), Vec3::splat(1.0));
+    let inner = super::shapes::reverse(cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)));
+    let shell = merge(outer, inner);
+    let mesh = MeshGeometry::build(&shell.0, &shell.1);
+    let mut random = Random(22);
+    for _ in 0..20_000 {
+        let p = 1.3 * random.cube();
+        let reach = p.abs().max_element();
+        if (reach - 1.0).abs() > 1.0e-5 && (reach - 0.5).abs() > 1.0e-5 {
+            assert_eq!(mesh.contains(p), reach < 1.0 && reach > 0.5, "{p}");
+        }
+    }
+    // On symmetry planes, where axis-parallel rays would graze.
+    assert!(mesh.contains(Vec3::new(0.75, 0.0, 0.0)) && !mesh.contains(Vec3::ZERO));
+}
