@@ -1,3 +1,260 @@
-//! TODO
+//! Files to scenes: reads glTF 2.0 (`.gltf`, `.glb`) into a [`SceneDescription`].
+//!
+//! The file is taken for a serde tree and read through checked cursors ([`Json`]), since files in the wild break the
+//! schema in every possible way, and since complaints should say where. Every extension is a plug-in of
+//! [`crate::extension`]. Nothing that a file says can make the loader panic, recurse, read outside the file's folder,
+//! or allocate before it has checked a size against the data or the [`Limits`].
+//!
+//! ```no_run
+//! use nephrite::asset::{LoadOptions, load};
+//!
+//! let loaded = load("model.glb".as_ref(), &LoadOptions::default())?;
+//! for diagnostic in &loaded.diagnostics {
+//!     eprintln!("{diagnostic}");
+//! }
+//! println!("{} objects", loaded.scene.instances.len());
+//! # Ok::<(), nephrite::asset::AssetError>(())
+//! ```
 
+mod accessor;
+mod buffer;
+mod camera;
+mod container;
 pub mod environment;
+mod error;
+mod image;
+mod json;
+mod loader;
+mod material;
+mod mesh;
+mod node;
+mod primitive;
+mod summary;
+mod tangent;
+mod texture;
+mod topology;
+mod uri;
+
+use std::path::Path;
+
+use serde_json::Value;
+
+pub use accessor::{Accessor, Component};
+pub use buffer::Bytes;
+pub use error::{AssetError, Diagnostic, Severity};
+pub use json::Json;
+pub use loader::Loader;
+pub use node::NodeContext;
+pub use primitive::DecodedPrimitive;
+pub use summary::*;
+pub use topology::Topology;
+
+use crate::extension::Registry;
+use crate::scene::SceneDescription;
+
+/// How to load a file.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Index of the scene to show; by default the file's own choice, else its first.
+    pub scene: Option<usize>,
+    /// Whether violations of the format that could be lived with are errors.
+    pub strict: bool,
+    /// How much a file may ask for.
+    pub limits: Limits,
+    /// Whether URIs may name files outside the folder of the document.
+    pub allow_outside: bool,
+    /// The extensions that are understood.
+    pub registry: Registry,
+}
+
+/// How much a file may ask for, so that a small hostile file cannot take the whole machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of any one file.
+    pub file_bytes: u64,
+    /// Bytes of the JSON document; in memory it takes up to 16 times as many.
+    pub json_bytes: u64,
+    /// Nodes of the document.
+    pub nodes: u64,
+    /// Instances of the scene.
+    pub instances: u64,
+    /// Vertices of all meshes together, and elements of an accessor.
+    pub vertices: u64,
+    /// Triangles of all meshes together.
+    pub triangles: u64,
+    /// Pixels of all images together.
+    pub image_pixels: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            file_bytes: 4 << 30,
+            json_bytes: 64 << 20,
+            nodes: 4_000_000,
+            instances: 4_000_000,
+            vertices: 50_000_000,
+            triangles: 50_000_000,
+            image_pixels: 1 << 28,
+        }
+    }
+}
+
+/// A file that was loaded.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What it shows.
+    pub scene: SceneDescription,
+    /// What is worth telling about it, most serious first.
+    pub diagnostics: Vec<Diagnostic>,
+    /// What is in the file.
+    pub summary: Summary,
+}
+
+/// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell.
+///
+/// # Errors
+/// Where the file cannot be read, is not glTF 2.0, refers to what is not there, requires an extension that is not in
+/// the registry, or asks for more than the limits.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    let bytes = uri::document(path, options.limits.file_bytes)?;
+    load_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
+}
+
+/// Loads the bytes of a `.gltf` or `.glb` file whose relative URIs are below `folder`.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    let bytes = Bytes::from(bytes);
+    let parts = container::split(&bytes)?;
+    let json_bytes = bytes.get(parts.json).unwrap_or_default();
+    let limit = options.limits.json_bytes;
+    Loader::within(json_bytes.len() as u64, limit, "", "the JSON document, in bytes,", "json_bytes")?;
+    let (document, duplicates) = container::parse(json_bytes)?;
+    let mut loader = Loader::new(&document, options, folder);
+    loader.bin = parts.bin.and_then(|range| bytes.slice(range.start, range.len()));
+    for oddity in parts.oddities {
+        loader.invalid("", oddity)?;
+    }
+    for key in duplicates {
+        let key = error::shorten(&key);
+        loader.invalid("", format!("the key `{key}` occurs twice in one object; the last one counts"))?;
+    }
+    loader.version()?;
+    let extensions = loader.extensions()?;
+    loader.read()?;
+    loader.decode_images()?;
+    loader.afterthoughts();
+    let summary = Summary::new(&loader, extensions);
+    let (scene, diagnostics) = loader.finish();
+    Ok(Loaded { scene, diagnostics, summary })
+}
+
+impl<'a> Loader<'a> {
+    /// Only glTF 2 is read (§3.2): any 2.x, unless it says that it needs more.
+    fn version(&mut self) -> Result<(), AssetError> {
+        let Some(asset) = self.root().object("asset")? else {
+            return Err(AssetError::invalid("/asset", "is missing, so this is no glTF 2.0 file"));
+        };
+        let major = |v: &str| v.split('.').next().and_then(|v| v.parse::<u32>().ok());
+        let version = match asset.get("version") {
+            Some(v) if v.value().is_number() => {
+                self.invalid(v.pointer(), "should be a string")?;
+                v.value().to_string()
+            }
+            Some(v) => v.as_str()?.to_owned(),
+            None => return Err(asset.error_at("version", "is missing, so this is no glTF 2.0 file")),
+        };
+        let least = asset.str("minVersion")?;
+        if major(&version) != Some(2) || least.is_some_and(|v| major(v) != Some(2)) {
+            let version = error::shorten(least.unwrap_or(&version));
+            let message = format!("glTF {version} is not supported");
+            return Err(asset.error_at("version", message).with_advice("convert the asset to glTF 2.0"));
+        }
+        if let Some(least) = least.filter(|v| *v != "2.0") {
+            self.warn(
+                &asset.pointer_to("minVersion"),
+                format!("glTF {} is newer", error::shorten(least)),
+                None,
+            );
+        }
+        Ok(())
+    }
+
+    /// Reads everything but the pixels.
+    fn read(&mut self) -> Result<(), AssetError> {
+        let scene = self.chosen_scene()?;
+        let places = [Some(self.root()), scene.clone()];
+        for place in places.into_iter().flatten().filter(|p| p.get("extensions").is_some()) {
+            for extension in self.options.registry.iter() {
+                if let Some(own) = place.extension(extension.name()) {
+                    extension.document(self, &own)?;
+                }
+            }
+        }
+        self.materials()?;
+        let roots = match &scene {
+            Some(scene) => {
+                let roots = scene.array("nodes")?.into_iter();
+                roots
+                    .map(|n| Ok((n.as_usize()?, n.pointer().to_owned())))
+                    .collect::<Result<Vec<_>, AssetError>>()?
+            }
+            None => self.all_roots()?,
+        };
+        self.nodes(roots)
+    }
+
+    /// The scene to show: the option, else the file's default, else its first; `None` where it has no scenes.
+    fn chosen_scene(&mut self) -> Result<Option<Json<'a>>, AssetError> {
+        let root = self.root();
+        let count = self.count("scenes");
+        if let Some(index) = self.options.scene {
+            return match root.get("scenes").and_then(|list| list.item(index)) {
+                Some(scene) => Ok(Some(scene)),
+                None => {
+                    Err(AssetError::invalid("/scenes", format!("there is no scene {index}, only {count}")))
+                }
+            };
+        }
+        if let Some(index) = root.usize("scene")? {
+            return self.entry("scenes", index, "/scene").map(Some);
+        }
+        if count == 0 {
+            return Ok(None);
+        }
+        if count > 1 {
+            let message = "the file names no default scene; the first of several is shown";
+            self.note("/scenes", message);
+        }
+        self.entry("scenes", 0, "/scenes").map(Some)
+    }
+
+    /// All nodes that are not below others.
+    fn all_roots(&mut self) -> Result<Vec<(usize, String)>, AssetError> {
+        let count = self.count("nodes");
+        if count > 0 {
+            self.warn("/scenes", "the file has no scenes; all its nodes are shown", None);
+        }
+        let mut is_child = vec![false; count];
+        for index in 0..count {
+            for child in self.entry("nodes", index, "/nodes")?.array("children")? {
+                if let Some(seen) = is_child.get_mut(child.as_usize()?) {
+                    *seen = true;
+                }
+            }
+        }
+        Ok((0..count).filter(|&i| !is_child[i]).map(|i| (i, format!("/nodes/{i}"))).collect())
+    }
+
+    /// What is worth telling once everything has been read.
+    fn afterthoughts(&mut self) {
+        if self.scene.instances.is_empty() {
+            self.warn("", "there is nothing to see in the scene", None);
+        }
+        if self.document.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()) {
+            self.note("/animations", "animations are not played; the scene is shown as it is at rest");
+        }
+    }
+}

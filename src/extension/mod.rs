@@ -1,1 +1,238 @@
-//! TODO
+//! Plug-ins for glTF extensions: one file an extension, one line in [`Registry::standard`].
+//!
+//! An [`Extension`] hooks into the loader wherever its JSON object may appear; every hook does nothing by default.
+//! Hooks run in ascending [`order`](Extension::order), so that of two extensions that set the same thing the higher
+//! one wins. That is how the precedence of media is said: `NEPHRITE_materials_subsurface` over `KHR_materials_scatter`
+//! over `KHR_materials_volume_scatter` over `KHR_materials_volume`. Nothing is ever added up.
+//!
+//! A crate that uses nephrite adds its own with [`Registry::register`] and passes the registry in
+//! [`LoadOptions`](crate::asset::LoadOptions). An extension of the same name replaces the one that was there.
+
+mod emissive_strength;
+mod ior;
+mod lights_punctual;
+mod mesh_quantization;
+mod specular;
+mod subsurface;
+mod texture_transform;
+mod transmission;
+mod unlit;
+mod volume;
+
+use std::sync::Arc;
+
+use glam::DAffine3;
+
+use crate::asset::{AssetError, Bytes, DecodedPrimitive, Json, Limits, Loader, NodeContext};
+use crate::scene::{ImageData, MaterialDescription, TextureRef};
+
+/// Usual values of [`Extension::order`]; anything between is allowed.
+pub mod order {
+    /// Parameters of the surface: index of refraction, specular, transmission.
+    pub const SURFACE: i32 = 0;
+    /// Media from the weakest claim (`KHR_materials_volume`) …
+    pub const VOLUME: i32 = 100;
+    /// … over `KHR_materials_volume_scatter` …
+    pub const VOLUME_SCATTER: i32 = 110;
+    /// … and `KHR_materials_scatter` …
+    pub const SCATTER: i32 = 120;
+    /// … to the strongest (`NEPHRITE_materials_subsurface`).
+    pub const SUBSURFACE: i32 = 200;
+}
+
+/// A glTF extension that the loader understands.
+///
+/// In every hook `own` is the extension's own JSON object. Complaints go to the loader
+/// ([`Loader::warn`], [`Loader::invalid`]); an error ends the load.
+pub trait Extension: Send + Sync {
+    /// Name as in `extensionsUsed`.
+    fn name(&self) -> &str;
+
+    /// When the hooks of this extension run among those of others: ascending, the last to set a value wins.
+    fn order(&self) -> i32 {
+        order::SURFACE
+    }
+
+    /// What of the extension is *not* honoured, for `inspect`; `None` if all of it is.
+    fn shortfall(&self) -> Option<&str> {
+        None
+    }
+
+    /// Reads the extension of a material. `material` is the glTF material, `out` what has been made of it so far.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn material(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        material: &Json<'_>,
+        out: &mut MaterialDescription,
+    ) -> Result<(), AssetError> {
+        let _ = (loader, own, material, out);
+        Ok(())
+    }
+
+    /// Reads the extension of a `textureInfo`.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn texture_info(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        out: &mut TextureRef,
+    ) -> Result<(), AssetError> {
+        let _ = (loader, own, out);
+        Ok(())
+    }
+
+    /// The index of the image that a texture should use instead of its `source`; `None` to leave it.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn texture_source(&self, loader: &mut Loader<'_>, own: &Json<'_>) -> Result<Option<usize>, AssetError> {
+        let _ = (loader, own);
+        Ok(None)
+    }
+
+    /// Decodes an image file of a kind that core glTF lacks; `None` if `bytes` are not of that kind. Called for
+    /// every image that is neither PNG nor JPEG, from several threads at once. The message of a failure becomes a
+    /// warning. `limits.image_pixels` is to be kept before anything is allocated.
+    fn decode_image(&self, bytes: &[u8], limits: &Limits) -> Option<Result<ImageData, String>> {
+        let _ = (bytes, limits);
+        None
+    }
+
+    /// The bytes of a compressed buffer view; `None` to read it plainly.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn decode_buffer_view(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        view: &Json<'_>,
+    ) -> Result<Option<Bytes>, AssetError> {
+        let _ = (loader, own, view);
+        Ok(None)
+    }
+
+    /// The attributes and indices of a compressed primitive; what it does not return is read from accessors.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn decode_primitive(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        primitive: &Json<'_>,
+    ) -> Result<Option<DecodedPrimitive>, AssetError> {
+        let _ = (loader, own, primitive);
+        Ok(None)
+    }
+
+    /// The transforms, relative to the node, of the several copies of a node's mesh; `None` for one plain copy.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn instances(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        node: &NodeContext,
+    ) -> Result<Option<Vec<DAffine3>>, AssetError> {
+        let _ = (loader, own, node);
+        Ok(None)
+    }
+
+    /// Whether a node and everything below it is part of the picture.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn visible(&self, loader: &mut Loader<'_>, own: &Json<'_>) -> Result<bool, AssetError> {
+        let _ = (loader, own);
+        Ok(true)
+    }
+
+    /// Reads the extension of a node of the scene, which may add lights, cameras or instances to `loader.scene`.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn node(&self, loader: &mut Loader<'_>, own: &Json<'_>, node: &NodeContext) -> Result<(), AssetError> {
+        let _ = (loader, own, node);
+        Ok(())
+    }
+
+    /// Reads the extension of the document, or of the scene that is shown, before anything else is read.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn document(&self, loader: &mut Loader<'_>, own: &Json<'_>) -> Result<(), AssetError> {
+        let _ = (loader, own);
+        Ok(())
+    }
+}
+
+/// The extensions that a load understands, in the order in which their hooks run.
+#[derive(Clone)]
+pub struct Registry {
+    extensions: Vec<Arc<dyn Extension>>,
+}
+
+impl Registry {
+    /// A registry that knows no extension.
+    pub fn empty() -> Self {
+        Self { extensions: Vec::new() }
+    }
+
+    /// The extensions of this crate.
+    pub fn standard() -> Self {
+        let mut registry = Self::empty();
+        let table: [Box<dyn Extension>; 10] = [
+            Box::new(emissive_strength::EmissiveStrength),
+            Box::new(ior::Ior),
+            Box::new(lights_punctual::LightsPunctual),
+            Box::new(mesh_quantization::MeshQuantization),
+            Box::new(specular::Specular),
+            Box::new(texture_transform::TextureTransform),
+            Box::new(transmission::Transmission),
+            Box::new(unlit::Unlit),
+            Box::new(volume::Volume),
+            Box::new(subsurface::Subsurface),
+        ];
+        for extension in table {
+            registry.register(extension);
+        }
+        registry
+    }
+
+    /// Adds an extension, in place of one of the same name.
+    pub fn register(&mut self, extension: Box<dyn Extension>) {
+        self.extensions.retain(|e| e.name() != extension.name());
+        let place = self.extensions.partition_point(|e| e.order() <= extension.order());
+        self.extensions.insert(place, extension.into());
+    }
+
+    /// The extensions, in the order in which their hooks run.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn Extension> {
+        self.extensions.iter().map(|e| &**e)
+    }
+
+    /// The extension of that name.
+    pub fn get(&self, name: &str) -> Option<&dyn Extension> {
+        self.iter().find(|e| e.name() == name)
+    }
+}
+
+impl Default for Registry {
+    fn default() -> Self {
+        Self::standard()
+    }
+}
+
+impl std::fmt::Debug for Registry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.iter().map(Extension::name)).finish()
+    }
+}

@@ -50,6 +50,14 @@ pub struct MeshDescription {
     pub triangle_materials: Vec<u32>,
 }
 
+impl MeshDescription {
+    /// Lower and upper corner of the bounding box of the positions; zero for a mesh without any.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let Some(&first) = self.positions.first() else { return [Vec3::ZERO; 2] };
+        self.positions.iter().fold([first; 2], |[low, high], &p| [low.min(p), high.max(p)])
+    }
+}
+
 /// The material index of a triangle that names no material.
 pub const NO_MATERIAL: u32 = u32::MAX;
 
@@ -186,6 +194,10 @@ pub struct MaterialDescription {
     pub specular: f32,
     /// Colour of the dielectric reflection at normal incidence (KHR_materials_specular; white without it).
     pub specular_color: Vec3,
+    /// Multiplies `specular` (A).
+    pub specular_texture: Option<TextureRef>,
+    /// Multiplies `specular_color` (RGB).
+    pub specular_color_texture: Option<TextureRef>,
     /// Fraction of the non-reflected light that goes through instead of to the diffuse base.
     pub transmission: f32,
     /// Multiplies `transmission` (R).
@@ -214,10 +226,48 @@ impl Default for MaterialDescription {
             ior: 1.5,
             specular: 1.0,
             specular_color: Vec3::ONE,
+            specular_texture: None,
+            specular_color_texture: None,
             transmission: 0.0,
             transmission_texture: None,
             medium: None,
         }
+    }
+}
+
+impl MaterialDescription {
+    /// Every place that refers to a texture, those of the medium included.
+    pub fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+        let medium =
+            self.medium.iter_mut().flat_map(|m| [&mut m.absorption_texture, &mut m.scattering_texture]);
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.emission_texture,
+            &mut self.specular_texture,
+            &mut self.specular_color_texture,
+            &mut self.transmission_texture,
+        ]
+        .into_iter()
+        .chain(medium)
+    }
+
+    /// Every texture in use, those of the medium included.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let medium = self.medium.iter().flat_map(|m| [&m.absorption_texture, &m.scattering_texture]);
+        [
+            &self.base_color_texture,
+            &self.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.emission_texture,
+            &self.specular_texture,
+            &self.specular_color_texture,
+            &self.transmission_texture,
+        ]
+        .into_iter()
+        .chain(medium)
+        .flatten()
     }
 }
 

@@ -1,0 +1,192 @@
+//! From bytes to a document: GLB chunks (glTF 2.0 §4) and JSON that reports duplicate keys.
+//!
+//! Both containers are told apart by their first bytes, not by the name of the file.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Number, Value};
+
+use super::error::AssetError;
+
+const MAGIC: &[u8] = b"glTF";
+const HEADER: usize = 12;
+const CHUNK_JSON: u32 = 0x4E4F_534A;
+const CHUNK_BIN: u32 = 0x004E_4942;
+
+/// Where the parts of a file lie in its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Parts {
+    /// The JSON document.
+    pub json: Range<usize>,
+    /// The binary chunk of a GLB.
+    pub bin: Option<Range<usize>>,
+    /// What is odd about the container, but bearable.
+    pub oddities: Vec<String>,
+}
+
+fn broken(message: impl Into<String>) -> AssetError {
+    AssetError::Container { message: message.into(), advice: None }
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    let bytes = bytes.get(at..at.checked_add(4)?)?;
+    Some(u32::from_le_bytes(bytes.try_into().ok()?))
+}
+
+/// Finds the document and the binary chunk in the bytes of a `.glb` or `.gltf` file.
+pub(crate) fn split(bytes: &[u8]) -> Result<Parts, AssetError> {
+    if bytes.starts_with(MAGIC) {
+        return split_glb(bytes);
+    }
+    let mut oddities = Vec::new();
+    let mut start = 0;
+    if bytes.starts_with(b"\xEF\xBB\xBF") {
+        start = 3;
+        oddities.push("the document starts with a byte order mark, which glTF does not allow".to_owned());
+    }
+    match bytes[start..].iter().find(|b| !b.is_ascii_whitespace()) {
+        None => Err(broken("the file is empty")),
+        Some(b'{') => Ok(Parts { json: start..bytes.len(), bin: None, oddities }),
+        Some(b'[' | b'n' | b'"') => Err(broken("not a glTF file: the document is not a JSON object")),
+        Some(_) => Err(broken("not a glTF file: it starts with neither `glTF` nor `{`")),
+    }
+}
+
+fn split_glb(bytes: &[u8]) -> Result<Parts, AssetError> {
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+        return Err(broken("the file ends inside the 12-byte GLB header"));
+    };
+    if version != 2 {
+        return Err(AssetError::Container {
+            message: format!("GLB container version {version}; only version 2 is supported"),
+            advice: Some("convert the asset to glTF 2.0".to_owned()),
+        });
+    }
+    let length = length as usize;
+    if length > bytes.len() {
+        return Err(broken(format!(
+            "the GLB header promises {length} bytes, but the file has {}",
+            bytes.len()
+        )));
+    }
+    let mut oddities = Vec::new();
+    if length < bytes.len() {
+        oddities.push(format!("{} bytes after the end of the GLB are ignored", bytes.len() - length));
+    }
+    let bytes = &bytes[..length];
+    let mut json = None;
+    let mut bin = None;
+    let mut at = HEADER;
+    let mut chunk = 0;
+    while at < bytes.len() {
+        let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
+            return Err(broken("the file ends inside a GLB chunk header"));
+        };
+        let start = at + 8;
+        let end = start.checked_add(size as usize).filter(|&end| end <= bytes.len()).ok_or_else(|| {
+            broken(format!("GLB chunk {chunk} has {size} bytes, which is beyond the end of the file"))
+        })?;
+        match (chunk, kind) {
+            (0, CHUNK_JSON) => json = Some(start..end),
+            (0, _) => return Err(broken("the first GLB chunk is not JSON")),
+            (1, CHUNK_BIN) => bin = Some(start..end),
+            (_, CHUNK_JSON | CHUNK_BIN) => {
+                oddities.push(format!("GLB chunk {chunk} is out of place and is ignored"));
+            }
+            _ => {}
+        }
+        chunk += 1;
+        at = end.saturating_add(3) & !3;
+    }
+    match json {
+        Some(json) => Ok(Parts { json, bin, oddities }),
+        None => Err(broken("the GLB has no JSON chunk")),
+    }
+}
+
+/// Parses a document; also returns the keys that occur twice in one object (the last one counts).
+pub(crate) fn parse(bytes: &[u8]) -> Result<(Value, Vec<String>), AssetError> {
+    let mut duplicates = Vec::new();
+    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    let value = Tree { duplicates: &mut duplicates }
+        .deserialize(&mut deserializer)
+        .and_then(|value| deserializer.end().map(|()| value))
+        .map_err(|e| {
+            let (line, column) = (e.line(), e.column());
+            let text = e.to_string();
+            let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
+            AssetError::Json { message, line, column }
+        })?;
+    if !value.is_object() {
+        return Err(broken("not a glTF file: the document is not a JSON object"));
+    }
+    Ok((value, duplicates))
+}
+
+/// Builds a [`Value`] and notes duplicate keys, which `serde_json` alone drops without a word.
+struct Tree<'d> {
+    duplicates: &'d mut Vec<String>,
+}
+
+impl<'de> DeserializeSeed<'de> for Tree<'_> {
+    type Value = Value;
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Tree<'_> {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+    fn visit_bool<E>(self, v: bool) -> Result<Value, E> {
+        Ok(Value::Bool(v))
+    }
+    fn visit_i64<E>(self, v: i64) -> Result<Value, E> {
+        Ok(Value::Number(v.into()))
+    }
+    fn visit_u64<E>(self, v: u64) -> Result<Value, E> {
+        Ok(Value::Number(v.into()))
+    }
+    fn visit_f64<E>(self, v: f64) -> Result<Value, E> {
+        Ok(Number::from_f64(v).map_or(Value::Null, Value::Number))
+    }
+    fn visit_str<E>(self, v: &str) -> Result<Value, E> {
+        Ok(Value::String(v.to_owned()))
+    }
+    fn visit_string<E>(self, v: String) -> Result<Value, E> {
+        Ok(Value::String(v))
+    }
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+    fn visit_none<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        Value::deserialize(deserializer)
+    }
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Value, A::Error> {
+        let mut array = Vec::new();
+        while let Some(item) = seq.next_element_seed(Tree { duplicates: self.duplicates })? {
+            array.push(item);
+        }
+        Ok(Value::Array(array))
+    }
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Value, A::Error> {
+        const REPORTED: usize = 16;
+        let mut object = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            let value = map.next_value_seed(Tree { duplicates: self.duplicates })?;
+            if object.contains_key(&key) && self.duplicates.len() < REPORTED {
+                self.duplicates.push(key.clone());
+            }
+            object.insert(key, value);
+        }
+        Ok(Value::Object(object))
+    }
+}

@@ -1,0 +1,223 @@
+//! An asset while it is being read: the document, its caches, and everything worth telling.
+//!
+//! The reading itself is spread over the files of this room, each an `impl` of [`Loader`] with one idea. Extensions
+//! get a `&mut Loader` and use the same checked readers.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::LoadOptions;
+use super::buffer::Bytes;
+use super::error::{AssetError, Diagnostic, Severity};
+use super::json::Json;
+use crate::scene::SceneDescription;
+
+/// Diagnostics beyond this many are counted, not kept.
+const MOST_DIAGNOSTICS: usize = 500;
+
+/// An asset while it is being read.
+pub struct Loader<'a> {
+    pub(crate) document: &'a Value,
+    pub(crate) options: &'a LoadOptions,
+    pub(crate) folder: &'a Path,
+    pub(crate) bin: Option<Bytes>,
+    pub(crate) buffers: HashMap<usize, Bytes>,
+    pub(crate) views: HashMap<usize, Bytes>,
+    pub(crate) textures: HashMap<usize, Option<usize>>,
+    pub(crate) images: HashMap<usize, usize>,
+    pub(crate) image_sources: Vec<usize>,
+    pub(crate) meshes: HashMap<usize, Option<usize>>,
+    pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
+    pub(crate) totals: Totals,
+    /// The scene as far as it has been read.
+    pub scene: SceneDescription,
+    diagnostics: Vec<Diagnostic>,
+    told: HashSet<(String, String)>,
+    untold: usize,
+}
+
+/// What has been spent of the limits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Totals {
+    pub vertices: u64,
+    pub triangles: u64,
+    pub image_pixels: u64,
+}
+
+impl<'a> Loader<'a> {
+    pub(crate) fn new(document: &'a Value, options: &'a LoadOptions, folder: &'a Path) -> Self {
+        Self {
+            document,
+            options,
+            folder,
+            bin: None,
+            buffers: HashMap::new(),
+            views: HashMap::new(),
+            textures: HashMap::new(),
+            images: HashMap::new(),
+            image_sources: Vec::new(),
+            meshes: HashMap::new(),
+            bounds: HashMap::new(),
+            totals: Totals::default(),
+            scene: SceneDescription::default(),
+            diagnostics: Vec::new(),
+            told: HashSet::new(),
+            untold: 0,
+        }
+    }
+
+    /// The document.
+    pub fn root(&self) -> Json<'a> {
+        Json::root(self.document)
+    }
+
+    /// The options of this load.
+    pub fn options(&self) -> &'a LoadOptions {
+        self.options
+    }
+
+    /// Number of entries of a top-level array such as `meshes`; 0 where it is absent.
+    pub fn count(&self, array: &str) -> usize {
+        self.document.get(array).and_then(Value::as_array).map_or(0, Vec::len)
+    }
+
+    /// Entry `index` of a top-level array, which must be an object; `from` is the place that refers to it.
+    ///
+    /// # Errors
+    /// Where there is no such entry, or it is not an object.
+    pub fn entry(&self, array: &str, index: usize, from: &str) -> Result<Json<'a>, AssetError> {
+        let count = self.count(array);
+        let entry = self.root().get(array).and_then(|list| list.item(index));
+        let entry = entry.ok_or_else(|| {
+            AssetError::invalid(from, format!("refers to {array}/{index}, but the file has {count} {array}"))
+        })?;
+        entry.as_object()?;
+        Ok(entry)
+    }
+
+    fn tell(&mut self, severity: Severity, pointer: &str, message: String, advice: Option<&str>) {
+        if self.diagnostics.len() >= MOST_DIAGNOSTICS {
+            self.untold += 1;
+        } else if self.told.insert((pointer.to_owned(), message.clone())) {
+            let advice = advice.map(str::to_owned);
+            self.diagnostics.push(Diagnostic { severity, pointer: pointer.to_owned(), message, advice });
+        }
+    }
+
+    /// Tells of something that is right, but not used.
+    pub fn note(&mut self, pointer: &str, message: impl Into<String>) {
+        self.tell(Severity::Note, pointer, message.into(), None);
+    }
+
+    /// Tells of something doubtful.
+    pub fn warn(&mut self, pointer: &str, message: impl Into<String>, advice: Option<&str>) {
+        self.tell(Severity::Warning, pointer, message.into(), advice);
+    }
+
+    /// Tells of something that the file's format forbids, but that can be lived with: a warning, or an error when
+    /// the load is strict.
+    ///
+    /// # Errors
+    /// Where the load is strict.
+    pub fn invalid(&mut self, pointer: &str, message: impl Into<String>) -> Result<(), AssetError> {
+        let message = message.into();
+        if self.options.strict {
+            return Err(AssetError::Strict(Diagnostic {
+                severity: Severity::Error,
+                pointer: pointer.to_owned(),
+                message,
+                advice: None,
+            }));
+        }
+        self.tell(Severity::Warning, pointer, message, None);
+        Ok(())
+    }
+
+    /// Property `key` as a number that should lie in `range`: one that does not is [`invalid`](Self::invalid) and
+    /// is brought to the nearest end.
+    ///
+    /// # Errors
+    /// Where it is not a number, or out of range in a strict load.
+    pub fn factor(
+        &mut self,
+        json: &Json<'_>,
+        key: &str,
+        default: f32,
+        range: std::ops::RangeInclusive<f64>,
+    ) -> Result<f32, AssetError> {
+        let Some(value) = json.f64(key)? else { return Ok(default) };
+        let (low, high) = (*range.start(), *range.end());
+        if !range.contains(&value) {
+            let which = if value < low { format!("below {low}") } else { format!("above {high}") };
+            self.invalid(&json.pointer_to(key), format!("{value} is {which}"))?;
+        }
+        Ok(value.clamp(low, high) as f32)
+    }
+
+    /// Property `key` as `N` numbers, each as [`factor`](Self::factor) has it.
+    ///
+    /// # Errors
+    /// Where they are not `N` numbers, or out of range in a strict load.
+    pub fn factors<const N: usize>(
+        &mut self,
+        json: &Json<'_>,
+        key: &str,
+        default: [f32; N],
+        range: std::ops::RangeInclusive<f64>,
+    ) -> Result<[f32; N], AssetError> {
+        let Some(values) = json.numbers::<N>(key)? else { return Ok(default) };
+        let (low, high) = (*range.start(), *range.end());
+        for (i, value) in values.iter().enumerate() {
+            if !range.contains(value) {
+                let which = if *value < low { format!("below {low}") } else { format!("above {high}") };
+                self.invalid(&format!("{}/{i}", json.pointer_to(key)), format!("{value} is {which}"))?;
+            }
+        }
+        Ok(values.map(|v| v.clamp(low, high) as f32))
+    }
+
+    /// Checks a running total against a limit.
+    pub(crate) fn within(
+        needed: u64,
+        limit: u64,
+        pointer: &str,
+        what: &str,
+        field: &'static str,
+    ) -> Result<(), AssetError> {
+        if needed <= limit {
+            return Ok(());
+        }
+        Err(AssetError::Limit { pointer: pointer.to_owned(), what: what.to_owned(), needed, limit, field })
+    }
+
+    /// Adds to the number of vertices and triangles of the scene, within the limits.
+    pub(crate) fn spend(
+        &mut self,
+        vertices: usize,
+        triangles: usize,
+        pointer: &str,
+    ) -> Result<(), AssetError> {
+        let limits = &self.options.limits;
+        self.totals.vertices += vertices as u64;
+        self.totals.triangles += triangles as u64;
+        let Totals { vertices, triangles, .. } = self.totals;
+        Self::within(vertices, limits.vertices, pointer, "all meshes so far, in vertices,", "vertices")?;
+        Self::within(triangles, limits.triangles, pointer, "all meshes so far, in triangles,", "triangles")
+    }
+
+    /// The scene and everything that was told, most serious first, otherwise in order of appearance.
+    pub(crate) fn finish(mut self) -> (SceneDescription, Vec<Diagnostic>) {
+        if self.untold > 0 {
+            self.diagnostics.push(Diagnostic {
+                severity: Severity::Note,
+                pointer: String::new(),
+                message: format!("{} more messages are not shown", self.untold),
+                advice: None,
+            });
+        }
+        self.diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
+        (self.scene, self.diagnostics)
+    }
+}

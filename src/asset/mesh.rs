@@ -1,0 +1,219 @@
+//! Meshes (glTF 2.0 §3.7): all primitives of a mesh become one description, since one mesh is one object.
+//!
+//! Positions that cannot be placed are dropped with their triangles. Triangles with two corners at the same place go
+//! too: they have no area, and their edges cancel, so a closed mesh stays closed; thin ones stay, since closedness may
+//! hang on them. Where only some primitives have normals the others get flat ones of their own.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::error::AssetError;
+use super::json::Json;
+use super::loader::Loader;
+use super::primitive::Primitive;
+use super::tangent;
+use crate::scene::MeshDescription;
+
+/// Coordinates beyond this overflow single precision once they are squared, and squared again.
+pub(crate) const FARTHEST: f64 = 1e9;
+
+impl Loader<'_> {
+    /// The scene's mesh for mesh `index` of the file; `None` if it has no triangles.
+    ///
+    /// # Errors
+    /// Where there is no such mesh, or it cannot be read.
+    pub fn mesh(&mut self, index: usize, from: &str) -> Result<Option<usize>, AssetError> {
+        if let Some(&known) = self.meshes.get(&index) {
+            return Ok(known);
+        }
+        let json = self.entry("meshes", index, from)?;
+        let mut primitives = Vec::new();
+        let list = json.array("primitives")?;
+        if list.is_empty() {
+            self.invalid(json.pointer(), "has no primitives")?;
+        }
+        for primitive in list {
+            if let Some(mut read) = self.primitive(&primitive)? {
+                self.clean(&mut read, &primitive);
+                self.spend(read.positions.len(), read.triangles.len(), primitive.pointer())?;
+                self.check_uv_sets(&read, &primitive);
+                primitives.push(read);
+            }
+        }
+        primitives.retain(|p| !p.triangles.is_empty());
+        let mesh = if primitives.is_empty() {
+            None
+        } else {
+            let materials = &self.scene.materials;
+            for primitive in &mut primitives {
+                let normal_map = materials.get(primitive.material as usize).and_then(|m| m.normal_texture);
+                match normal_map {
+                    Some(map) => tangent::complete(primitive, map.uv_set),
+                    None => primitive.tangents.clear(),
+                }
+            }
+            let mut mesh = merge(primitives);
+            mesh.name = json.name_or(|| format!("mesh {index}"));
+            mesh.pointer = json.pointer().to_owned();
+            self.scene.meshes.push(mesh);
+            Some(self.scene.meshes.len() - 1)
+        };
+        self.meshes.insert(index, mesh);
+        Ok(mesh)
+    }
+
+    /// Removes what cannot be drawn, and makes normals and tangents unit vectors.
+    fn clean(&mut self, primitive: &mut Primitive, json: &Json<'_>) {
+        let usable = |p: &Vec3| f64::from(p.abs().max_element()) <= FARTHEST && p.is_finite();
+        let before = primitive.triangles.len();
+        let positions = &primitive.positions;
+        primitive.triangles.retain(|t| t.iter().all(|&i| usable(&positions[i as usize])));
+        let lost = before - primitive.triangles.len();
+        for p in primitive.positions.iter_mut().filter(|p| !usable(p)) {
+            *p = Vec3::ZERO;
+        }
+        if lost > 0 {
+            let message = format!(
+                "{lost} of {before} triangles have a corner that is no number or beyond {FARTHEST:e} m"
+            );
+            self.warn(json.pointer(), message, None);
+        }
+        let positions = &primitive.positions;
+        let before = primitive.triangles.len();
+        primitive.triangles.retain(|t| {
+            let [a, b, c] = t.map(|i| positions[i as usize]);
+            a != b && b != c && c != a
+        });
+        let lost = before - primitive.triangles.len();
+        if lost > 0 {
+            self.note(json.pointer(), format!("{lost} of {before} triangles have two corners at one place"));
+        }
+        if !primitive.normals.is_empty() {
+            let bad = normalize(primitive);
+            if bad > 0 {
+                let message = format!("{bad} of {} normals have no direction", primitive.normals.len());
+                self.warn(&format!("{}/NORMAL", json.pointer_to("attributes")), message, None);
+            }
+        }
+        for uv in primitive.uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
+            *uv = Vec2::ZERO;
+        }
+    }
+
+    fn check_uv_sets(&mut self, primitive: &Primitive, json: &Json<'_>) {
+        let Some(material) = self.scene.materials.get(primitive.material as usize) else { return };
+        let sets = primitive.uvs.len();
+        let Some(missing) = material.textures().map(|t| t.uv_set).filter(|&set| set >= sets).max() else {
+            return;
+        };
+        let message =
+            format!("a texture of {} uses TEXCOORD_{missing}, which is not there", material.pointer);
+        self.warn(&json.pointer_to("attributes"), message, Some("its coordinates are taken to be (0, 0)"));
+    }
+}
+
+/// Unit normals and tangents; a normal without direction becomes that of a triangle around it. Returns their number.
+fn normalize(primitive: &mut Primitive) -> usize {
+    let unit = |v: Vec3| v.as_dvec3().try_normalize().map(|v| v.as_vec3());
+    let mut bad: Vec<usize> = Vec::new();
+    for (i, normal) in primitive.normals.iter_mut().enumerate() {
+        match unit(*normal) {
+            Some(n) => *normal = n,
+            None => {
+                *normal = Vec3::ZERO;
+                bad.push(i);
+            }
+        }
+    }
+    if !bad.is_empty() {
+        for triangle in &primitive.triangles {
+            let normal = face_normal(triangle.map(|i| primitive.positions[i as usize]));
+            for &i in triangle {
+                if primitive.normals[i as usize] == Vec3::ZERO {
+                    primitive.normals[i as usize] = normal;
+                }
+            }
+        }
+        for &i in &bad {
+            if primitive.normals[i] == Vec3::ZERO {
+                primitive.normals[i] = Vec3::Y;
+            }
+        }
+    }
+    for tangent in &mut primitive.tangents {
+        let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+        *tangent = unit(tangent.truncate()).unwrap_or(Vec3::X).extend(sign);
+    }
+    bad.len()
+}
+
+/// Unit normal of a triangle; +Y for one without area.
+pub(crate) fn face_normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
+}
+
+/// Gives every triangle its own three vertices.
+pub(crate) fn unshare(primitive: &mut Primitive) {
+    fn spread<T: Copy>(values: &mut Vec<T>, corners: &[u32]) {
+        if !values.is_empty() {
+            *values = corners.iter().map(|&i| values[i as usize]).collect();
+        }
+    }
+    let corners: Vec<u32> = primitive.triangles.iter().flatten().copied().collect();
+    spread(&mut primitive.positions, &corners);
+    spread(&mut primitive.normals, &corners);
+    spread(&mut primitive.tangents, &corners);
+    spread(&mut primitive.colors, &corners);
+    for set in &mut primitive.uvs {
+        spread(set, &corners);
+    }
+    for (i, triangle) in primitive.triangles.iter_mut().enumerate() {
+        let first = 3 * i as u32;
+        *triangle = [first, first + 1, first + 2];
+    }
+}
+
+/// Flat normals, on vertices that belong to one triangle each.
+pub(crate) fn flatten(primitive: &mut Primitive) {
+    unshare(primitive);
+    primitive.normals.clear();
+    for triangle in &primitive.triangles {
+        let normal = face_normal(triangle.map(|i| primitive.positions[i as usize]));
+        primitive.normals.extend([normal; 3]);
+    }
+}
+
+/// One mesh out of several primitives; an attribute that some lack is filled up with neutral values.
+fn merge(mut primitives: Vec<Primitive>) -> MeshDescription {
+    if primitives.iter().any(|p| !p.normals.is_empty()) {
+        for primitive in primitives.iter_mut().filter(|p| p.normals.is_empty()) {
+            flatten(primitive);
+        }
+    }
+    let has_tangents = primitives.iter().any(|p| !p.tangents.is_empty());
+    let has_colors = primitives.iter().any(|p| !p.colors.is_empty());
+    let uv_sets = primitives.iter().map(|p| p.uvs.len()).max().unwrap_or(0);
+    let mut mesh = MeshDescription { uvs: vec![Vec::new(); uv_sets], ..MeshDescription::default() };
+    for mut primitive in primitives {
+        let count = primitive.positions.len();
+        let first = mesh.positions.len() as u32;
+        mesh.triangles.extend(primitive.triangles.iter().map(|t| t.map(|i| i + first)));
+        mesh.triangle_materials.extend(std::iter::repeat_n(primitive.material, primitive.triangles.len()));
+        mesh.positions.append(&mut primitive.positions);
+        mesh.normals.append(&mut primitive.normals);
+        if has_tangents {
+            primitive.tangents.resize(count, Vec4::new(1.0, 0.0, 0.0, 1.0));
+            mesh.tangents.append(&mut primitive.tangents);
+        }
+        if has_colors {
+            primitive.colors.resize(count, Vec4::ONE);
+            mesh.colors.append(&mut primitive.colors);
+        }
+        primitive.uvs.resize(uv_sets, Vec::new());
+        for (all, mut set) in mesh.uvs.iter_mut().zip(primitive.uvs) {
+            set.resize(count, Vec2::ZERO);
+            all.append(&mut set);
+        }
+    }
+    mesh
+}

@@ -1,0 +1,192 @@
+//! One primitive of a mesh: attributes and indices, from accessors or from an extension that decompresses them.
+
+use std::collections::BTreeMap;
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::accessor::{Accessor, Component};
+use super::error::AssetError;
+use super::json::Json;
+use super::loader::Loader;
+use super::topology::Topology;
+use crate::scene::NO_MATERIAL;
+
+/// What an extension makes of a compressed primitive.
+#[derive(Clone, Debug, Default)]
+pub struct DecodedPrimitive {
+    /// By semantic (`POSITION`, `TEXCOORD_0`, …): elements padded with zeros to four numbers, normalised integers
+    /// already turned into fractions, and the number of components they really have.
+    pub attributes: BTreeMap<String, (usize, Vec<[f32; 4]>)>,
+    /// Indices, if the primitive has any.
+    pub indices: Option<Vec<u32>>,
+    /// What the indices mean, where it is not what the primitive's `mode` says.
+    pub topology: Option<Topology>,
+}
+
+/// A primitive as plain vectors; attributes are empty or as long as `positions`, indices are in range.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Primitive {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+    pub tangents: Vec<Vec4>,
+    pub uvs: Vec<Vec<Vec2>>,
+    pub colors: Vec<Vec4>,
+    pub triangles: Vec<[u32; 3]>,
+    pub material: u32,
+}
+
+/// Elements of an attribute and the number of their components.
+type Elements = (usize, Vec<[f32; 4]>);
+
+impl Loader<'_> {
+    /// Reads a primitive; `None`, with a message, if it has no triangles.
+    pub(crate) fn primitive(&mut self, json: &Json<'_>) -> Result<Option<Primitive>, AssetError> {
+        json.as_object()?;
+        let topology = match json.usize("mode")?.unwrap_or(4) {
+            4 => Topology::Triangles,
+            5 => Topology::Strip,
+            6 => Topology::Fan,
+            0..=3 => {
+                self.note(json.pointer(), "points and lines have no surface and are left out");
+                return Ok(None);
+            }
+            mode => {
+                self.invalid(&json.pointer_to("mode"), format!("{mode} is no mode of glTF"))?;
+                return Ok(None);
+            }
+        };
+        let mut decoded = self.decompressed(json)?.unwrap_or_default();
+        let topology = decoded.topology.unwrap_or(topology);
+        let Some(attributes) = json.object("attributes")? else {
+            self.invalid(json.pointer(), "has no `attributes` and is left out")?;
+            return Ok(None);
+        };
+        let Some((components, positions)) = self.attribute(&attributes, "POSITION", &mut decoded)? else {
+            self.warn(attributes.pointer(), "there is no POSITION, so the primitive is left out", None);
+            return Ok(None);
+        };
+        if components != 3 {
+            return Err(attributes.error_at("POSITION", "positions must be VEC3"));
+        }
+        let count = positions.len();
+        let mut out = Primitive {
+            positions: positions.into_iter().map(|p| Vec4::from(p).truncate()).collect(),
+            ..Primitive::default()
+        };
+        let mut fitting = |loader: &mut Self, key: &str, widths: &[usize]| {
+            let Some((width, elements)) = loader.attribute(&attributes, key, &mut decoded)? else {
+                return Ok(None);
+            };
+            let message = if !widths.contains(&width) {
+                format!("has {width} components, which {key} cannot have; it is ignored")
+            } else if elements.len() != count {
+                format!("has {} elements, but POSITION has {count}; it is ignored", elements.len())
+            } else {
+                return Ok(Some((width, elements)));
+            };
+            loader.invalid(&attributes.pointer_to(key), message)?;
+            Ok::<_, AssetError>(None)
+        };
+        if let Some((_, normals)) = fitting(self, "NORMAL", &[3])? {
+            out.normals = normals.into_iter().map(|n| Vec4::from(n).truncate()).collect();
+        }
+        if let Some((_, tangents)) = fitting(self, "TANGENT", &[4])? {
+            out.tangents = tangents.into_iter().map(Vec4::from).collect();
+        }
+        for set in 0.. {
+            let key = format!("TEXCOORD_{set}");
+            if attributes.get(&key).is_none() {
+                break;
+            }
+            let uvs = match fitting(self, &key, &[2])? {
+                Some((_, uvs)) => uvs.into_iter().map(|t| Vec2::new(t[0], t[1])).collect(),
+                None => vec![Vec2::ZERO; count],
+            };
+            out.uvs.push(uvs);
+        }
+        if let Some((width, colors)) = fitting(self, "COLOR_0", &[3, 4])? {
+            let alpha = |c: Vec4| if width == 3 { c.truncate().extend(1.0) } else { c };
+            let finite = |c: Vec4| if c.is_finite() { c.max(Vec4::ZERO) } else { Vec4::ONE };
+            out.colors = colors.into_iter().map(|c| finite(alpha(Vec4::from(c)))).collect();
+        }
+        let indices = match decoded.indices.take() {
+            Some(indices) => indices,
+            None => match json.usize("indices")? {
+                Some(index) => self.accessor(index, &json.pointer_to("indices"))?.indices()?,
+                None => (0..u32::try_from(count).unwrap_or(u32::MAX)).collect(),
+            },
+        };
+        let indices_pointer = json.pointer_to("indices");
+        if !topology.is_whole(indices.len()) {
+            self.invalid(&indices_pointer, format!("{} indices do not make whole triangles", indices.len()))?;
+        }
+        if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
+            let message = format!("index {index} is beyond the {count} vertices of the primitive");
+            return Err(AssetError::invalid(indices_pointer, message));
+        }
+        out.triangles = topology.triangles(&indices);
+        out.material = match json.usize("material")? {
+            Some(index) => {
+                self.entry("materials", index, &json.pointer_to("material"))?;
+                u32::try_from(index).unwrap_or(NO_MATERIAL)
+            }
+            None => NO_MATERIAL,
+        };
+        Ok(Some(out))
+    }
+
+    fn decompressed(&mut self, json: &Json<'_>) -> Result<Option<DecodedPrimitive>, AssetError> {
+        if json.get("extensions").is_none() {
+            return Ok(None);
+        }
+        for extension in self.options.registry.iter() {
+            if let Some(own) = json.extension(extension.name())
+                && let Some(decoded) = extension.decode_primitive(self, &own, json)?
+            {
+                return Ok(Some(decoded));
+            }
+        }
+        Ok(None)
+    }
+
+    fn attribute(
+        &mut self,
+        attributes: &Json<'_>,
+        key: &str,
+        decoded: &mut DecodedPrimitive,
+    ) -> Result<Option<Elements>, AssetError> {
+        if let Some(elements) = decoded.attributes.remove(key) {
+            return Ok(Some(elements));
+        }
+        let Some(index) = attributes.usize(key)? else { return Ok(None) };
+        let accessor = self.accessor(index, &attributes.pointer_to(key))?;
+        let (rows, columns) = accessor.shape;
+        let mut accessor = accessor;
+        self.promote(&mut accessor, attributes, key)?;
+        Ok(Some((rows * columns, accessor.floats::<4>())))
+    }
+
+    /// Colours and texture coordinates in integers are fractions, even where the file forgot to say so; other integers
+    /// need KHR_mesh_quantization.
+    fn promote(
+        &mut self,
+        accessor: &mut Accessor,
+        attributes: &Json<'_>,
+        key: &str,
+    ) -> Result<(), AssetError> {
+        let integer = accessor.component != Component::F32;
+        if integer && !accessor.normalized && key.starts_with("COLOR") {
+            self.invalid(
+                &attributes.pointer_to(key),
+                "integer colours must be `normalized`; they are taken to be",
+            )?;
+            accessor.normalized = true;
+        }
+        if integer && matches!(key, "POSITION" | "NORMAL" | "TANGENT") && !self.uses("KHR_mesh_quantization")
+        {
+            let message = "integers are allowed only with KHR_mesh_quantization, which is not declared";
+            self.invalid(&attributes.pointer_to(key), message)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,402 @@
+//! What is in a file, for `inspect`: counts, names, media, and what becomes of each extension.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::error::AssetError;
+use super::loader::Loader;
+use crate::scene::{AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, SceneDescription};
+
+/// What is in a file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// `asset.generator`: the program that wrote the file.
+    pub generator: Option<String>,
+    /// `asset.copyright`.
+    pub copyright: Option<String>,
+    /// Names of all scenes of the file.
+    pub scenes: Vec<String>,
+    /// Lengths of the document's top-level arrays.
+    pub counts: BTreeMap<String, usize>,
+    /// Vertices of all meshes of the scene, each counted once.
+    pub vertices: usize,
+    /// Triangles of all meshes of the scene, each counted once.
+    pub triangles: usize,
+    /// Triangles of the scene with every instance counted.
+    pub instanced_triangles: usize,
+    /// Meshes that the scene shows.
+    pub meshes: Vec<MeshSummary>,
+    /// All materials of the file.
+    pub materials: Vec<MaterialSummary>,
+    /// Images in use.
+    pub images: Vec<ImageSummary>,
+    /// Cameras of the scene.
+    pub cameras: Vec<CameraSummary>,
+    /// Punctual lights of the scene.
+    pub lights: Vec<LightSummary>,
+    /// Names of all animations of the file; they are not played.
+    pub animations: Vec<String>,
+    /// Extensions that the file uses, and what becomes of each.
+    pub extensions: Vec<ExtensionSummary>,
+}
+
+/// A mesh of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshSummary {
+    /// Its name.
+    pub name: String,
+    /// JSON pointer.
+    pub pointer: String,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of times the scene shows it.
+    pub instances: usize,
+    /// Attributes besides positions: `normals`, `tangents`, `colors`, `uv0`, …
+    pub attributes: Vec<String>,
+    /// Indices of the materials it uses.
+    pub materials: Vec<u32>,
+}
+
+/// A material of the file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialSummary {
+    /// Its name.
+    pub name: String,
+    /// JSON pointer.
+    pub pointer: String,
+    /// Linear base colour and alpha.
+    pub base_color: [f32; 4],
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness.
+    pub roughness: f32,
+    /// Index of refraction of the boundary.
+    pub ior: f32,
+    /// Fraction of light that goes through.
+    pub transmission: f32,
+    /// Emitted radiance.
+    pub emission: [f32; 3],
+    /// `opaque`, `mask` or `blend`.
+    pub alpha: &'static str,
+    /// Visible from both sides.
+    pub double_sided: bool,
+    /// Not lit.
+    pub unlit: bool,
+    /// Number of textures it uses.
+    pub textures: usize,
+    /// What is inside.
+    pub medium: Option<MediumSummary>,
+}
+
+/// The medium of a material, before textures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MediumSummary {
+    /// Absorption coefficient, 1/m.
+    pub sigma_a: [f32; 3],
+    /// Scattering coefficient, 1/m.
+    pub sigma_s: [f32; 3],
+    /// Mean cosine of scattering.
+    pub anisotropy: f32,
+    /// Index of refraction.
+    pub ior: f32,
+    /// Priority where media overlap.
+    pub priority: i32,
+    /// 1 / (σa + σs), metres; `None` where light is never stopped.
+    pub mean_free_path: [Option<f32>; 3],
+    /// σs / (σa + σs); `None` where light is never stopped.
+    pub single_scattering_albedo: [Option<f32>; 3],
+    /// Whether textures vary the coefficients.
+    pub textured: bool,
+}
+
+/// An image in use.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ImageSummary {
+    /// Name or URI.
+    pub name: String,
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Bits a channel.
+    pub bits: u32,
+}
+
+/// A camera of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CameraSummary {
+    /// Its name.
+    pub name: String,
+    /// `perspective` or `orthographic`.
+    pub kind: &'static str,
+    /// Full vertical angle in radians, or half the height of the view in metres.
+    pub extent: f32,
+    /// Width over height, if the file says so.
+    pub aspect: Option<f32>,
+}
+
+/// A punctual light of the scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightSummary {
+    /// Its name.
+    pub name: String,
+    /// `point`, `spot` or `directional`.
+    pub kind: &'static str,
+    /// Colour × intensity, candela or lux.
+    pub intensity: [f32; 3],
+}
+
+/// An extension and what becomes of it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ExtensionSummary {
+    /// Its name.
+    pub name: String,
+    /// In `extensionsRequired`.
+    pub required: bool,
+    /// Number of objects that carry it.
+    pub places: usize,
+    /// Whether the loader has a plug-in for it.
+    pub supported: bool,
+    /// What is not honoured, and why; `None` if all of it is.
+    pub ignored: Option<String>,
+}
+
+impl Loader<'_> {
+    /// Whether the file declares that it uses an extension.
+    pub fn uses(&self, name: &str) -> bool {
+        let lists = ["extensionsUsed", "extensionsRequired"].map(|key| self.document.get(key));
+        lists.into_iter().flatten().filter_map(Value::as_array).flatten().any(|n| n.as_str() == Some(name))
+    }
+
+    /// Finds the extensions of the file, and refuses to go on without those that it requires.
+    pub(crate) fn extensions(&mut self) -> Result<Vec<ExtensionSummary>, AssetError> {
+        let root = self.root();
+        let names = |key: &str| -> Result<Vec<(String, String)>, AssetError> {
+            let list = root.array(key)?.into_iter();
+            list.map(|n| Ok((n.as_str()?.to_owned(), n.pointer().to_owned()))).collect()
+        };
+        let (used, required) = (names("extensionsUsed")?, names("extensionsRequired")?);
+        let mut found = places(self.document);
+        let mut all: Vec<String> = Vec::new();
+        for (name, pointer) in &required {
+            if !used.iter().any(|(n, _)| n == name) {
+                self.invalid(pointer, format!("{name} is required, but not in /extensionsUsed"))?;
+            }
+        }
+        for (name, (_, pointer)) in &found {
+            let declared = used.iter().chain(&required).any(|(n, _)| n == name);
+            if !declared && self.options.registry.get(name).is_some() {
+                self.invalid(pointer, format!("{name} is not in /extensionsUsed; it is read all the same"))?;
+            }
+        }
+        for name in used.iter().chain(&required).map(|(n, _)| n).chain(found.keys()) {
+            if !all.contains(name) {
+                all.push(name.clone());
+            }
+        }
+        let mut missing: Vec<String> = Vec::new();
+        let mut summaries = Vec::new();
+        for name in all {
+            let is_required = required.iter().any(|(n, _)| *n == name);
+            let (places, pointer) = found.remove(&name).unwrap_or_default();
+            let (supported, ignored) = match self.options.registry.get(&name) {
+                Some(extension) => (true, extension.shortfall().map(str::to_owned)),
+                None => (false, Some("not supported".to_owned())),
+            };
+            if !supported && is_required {
+                missing.push(name.clone());
+            } else if !supported {
+                let pointer = if pointer.is_empty() { "/extensionsUsed" } else { &pointer };
+                self.note(pointer, format!("{name} is not supported and is ignored"));
+            } else if let Some(shortfall) = &ignored {
+                self.note(&pointer, format!("{name}: {shortfall}"));
+            }
+            summaries.push(ExtensionSummary { name, required: is_required, places, supported, ignored });
+        }
+        if missing.is_empty() { Ok(summaries) } else { Err(AssetError::RequiredExtension { names: missing }) }
+    }
+}
+
+/// How many objects carry each extension, and the pointer of the first of them.
+fn places(document: &Value) -> BTreeMap<String, (usize, String)> {
+    const MOST_NAMES: usize = 256;
+    let mut found: BTreeMap<String, (usize, String)> = BTreeMap::new();
+    let mut stack = vec![(document, String::new())];
+    while let Some((value, pointer)) = stack.pop() {
+        match value {
+            Value::Array(array) => {
+                let items = array.iter().enumerate().filter(|(_, v)| v.is_object() || v.is_array());
+                stack.extend(items.rev().map(|(i, v)| (v, format!("{pointer}/{i}"))));
+            }
+            Value::Object(object) => {
+                if let Some(Value::Object(extensions)) = object.get("extensions") {
+                    for name in extensions.keys() {
+                        if found.len() < MOST_NAMES || found.contains_key(name) {
+                            let entry = found.entry(name.clone()).or_default();
+                            entry.0 += 1;
+                            if entry.0 == 1 {
+                                entry.1 = format!("{pointer}/extensions/{name}");
+                            }
+                        }
+                    }
+                }
+                let items = object.iter().filter(|(k, v)| *k != "extras" && (v.is_object() || v.is_array()));
+                stack.extend(items.rev().map(|(k, v)| (v, format!("{pointer}/{k}"))));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+impl Summary {
+    pub(crate) fn new(loader: &Loader<'_>, extensions: Vec<ExtensionSummary>) -> Self {
+        let (document, scene) = (loader.document, &loader.scene);
+        let text =
+            |key: &str| document.pointer(&format!("/asset/{key}")).and_then(Value::as_str).map(str::to_owned);
+        let arrays = document.as_object().into_iter().flatten();
+        let counts = arrays.filter_map(|(k, v)| Some((k.clone(), v.as_array()?.len())));
+        let meshes = meshes(scene);
+        Self {
+            generator: text("generator"),
+            copyright: text("copyright"),
+            scenes: names(document, "scenes", "scene"),
+            counts: counts.filter(|(k, _)| !k.starts_with("extensions")).collect(),
+            vertices: scene.meshes.iter().map(|m| m.positions.len()).sum(),
+            triangles: scene.meshes.iter().map(|m| m.triangles.len()).sum(),
+            instanced_triangles: meshes.iter().map(|m| m.triangles * m.instances).sum(),
+            meshes,
+            materials: scene.materials.iter().map(material).collect(),
+            images: images(scene),
+            cameras: cameras(scene),
+            lights: lights(scene),
+            animations: names(document, "animations", "animation"),
+            extensions,
+        }
+    }
+}
+
+fn names(document: &Value, array: &str, kind: &str) -> Vec<String> {
+    let entries = document.get(array).and_then(Value::as_array).into_iter().flatten().enumerate();
+    let name = |(i, v): (usize, &Value)| match v.get("name").and_then(Value::as_str) {
+        Some(name) => name.to_owned(),
+        None => format!("{kind} {i}"),
+    };
+    entries.map(name).collect()
+}
+
+fn meshes(scene: &SceneDescription) -> Vec<MeshSummary> {
+    let mut instances = vec![0; scene.meshes.len()];
+    for instance in &scene.instances {
+        instances[instance.mesh] += 1;
+    }
+    let summary = |(mesh, instances): (&crate::scene::MeshDescription, usize)| {
+        let mut attributes = Vec::new();
+        let parts = [
+            (!mesh.normals.is_empty(), "normals"),
+            (!mesh.tangents.is_empty(), "tangents"),
+            (!mesh.colors.is_empty(), "colors"),
+        ];
+        attributes.extend(parts.iter().filter(|p| p.0).map(|p| p.1.to_owned()));
+        attributes.extend((0..mesh.uvs.len()).map(|i| format!("uv{i}")));
+        let mut materials = mesh.triangle_materials.clone();
+        materials.sort_unstable();
+        materials.dedup();
+        materials.retain(|&m| m != crate::scene::NO_MATERIAL);
+        MeshSummary {
+            name: mesh.name.clone(),
+            pointer: mesh.pointer.clone(),
+            vertices: mesh.positions.len(),
+            triangles: mesh.triangles.len(),
+            instances,
+            attributes,
+            materials,
+        }
+    };
+    scene.meshes.iter().zip(instances).map(summary).collect()
+}
+
+fn material(m: &MaterialDescription) -> MaterialSummary {
+    let medium = m.medium.as_ref().map(|medium| {
+        let sigma_t = medium.sigma_a + medium.sigma_s;
+        let over = |numerator: [f32; 3]| {
+            let t = sigma_t.to_array();
+            std::array::from_fn(|i| (t[i] > 0.0).then(|| numerator[i] / t[i]))
+        };
+        MediumSummary {
+            sigma_a: medium.sigma_a.to_array(),
+            sigma_s: medium.sigma_s.to_array(),
+            anisotropy: medium.anisotropy,
+            ior: medium.ior,
+            priority: medium.priority,
+            mean_free_path: over([1.0; 3]),
+            single_scattering_albedo: over(medium.sigma_s.to_array()),
+            textured: medium.absorption_texture.is_some() || medium.scattering_texture.is_some(),
+        }
+    });
+    MaterialSummary {
+        name: m.name.clone(),
+        pointer: m.pointer.clone(),
+        base_color: m.base_color.to_array(),
+        metallic: m.metallic,
+        roughness: m.roughness,
+        ior: m.ior,
+        transmission: m.transmission,
+        emission: m.emission.to_array(),
+        alpha: match m.alpha_mode {
+            AlphaMode::Opaque => "opaque",
+            AlphaMode::Mask(_) => "mask",
+            AlphaMode::Blend => "blend",
+        },
+        double_sided: m.double_sided,
+        unlit: m.unlit,
+        textures: m.textures().count(),
+        medium,
+    }
+}
+
+fn images(scene: &SceneDescription) -> Vec<ImageSummary> {
+    let bits = |pixels: &ImagePixels| match pixels {
+        ImagePixels::Rgba8(_) => 8,
+        ImagePixels::Rgba16(_) => 16,
+        ImagePixels::Rgba32F(_) => 32,
+    };
+    let images = scene.images.iter();
+    images
+        .map(|i| ImageSummary {
+            name: i.name.clone(),
+            width: i.width,
+            height: i.height,
+            bits: bits(&i.pixels),
+        })
+        .collect()
+}
+
+fn cameras(scene: &SceneDescription) -> Vec<CameraSummary> {
+    let cameras = scene.cameras.iter();
+    cameras
+        .map(|c| {
+            let (kind, extent, aspect) = match c.projection {
+                Projection::Perspective { yfov, aspect } => ("perspective", yfov, aspect),
+                Projection::Orthographic { ymag, aspect } => ("orthographic", ymag, aspect),
+            };
+            CameraSummary { name: c.name.clone(), kind, extent, aspect }
+        })
+        .collect()
+}
+
+fn lights(scene: &SceneDescription) -> Vec<LightSummary> {
+    let kind = |kind: PunctualKind| match kind {
+        PunctualKind::Point => "point",
+        PunctualKind::Spot { .. } => "spot",
+        PunctualKind::Directional => "directional",
+    };
+    let lights = scene.lights.iter();
+    lights
+        .map(|l| LightSummary { name: l.name.clone(), kind: kind(l.kind), intensity: l.intensity.to_array() })
+        .collect()
+}

@@ -1,0 +1,39 @@
+//! `KHR_materials_ior`: the index of refraction of the boundary.
+
+use super::Extension;
+use crate::asset::{AssetError, Json, Loader};
+use crate::scene::MaterialDescription;
+
+/// Stands for the special value 0, "reflects everything": 99.96 % at normal incidence.
+const MIRROR_IOR: f32 = 1e4;
+
+pub(super) const NAME: &str = "KHR_materials_ior";
+
+pub(super) struct Ior;
+
+impl Extension for Ior {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn material(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        _: &Json<'_>,
+        out: &mut MaterialDescription,
+    ) -> Result<(), AssetError> {
+        match own.f64("ior")? {
+            None => {}
+            Some(0.0) => out.ior = MIRROR_IOR,
+            Some(ior) if ior >= 1.0 => out.ior = (ior as f32).min(MIRROR_IOR),
+            Some(ior) => {
+                loader.invalid(
+                    &own.pointer_to("ior"),
+                    format!("{ior} is neither 0 nor at least 1; 1.5 is used"),
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
