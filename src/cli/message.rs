@@ -1,0 +1,118 @@
+//! What is said on standard error: notes, warnings and errors, each once.
+
+use super::pipeline::{Diagnostic, Severity};
+use std::collections::HashSet;
+use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
+
+/// Says things once.
+#[derive(Debug, Default)]
+pub(super) struct Reporter {
+    quiet: bool,
+    said: Mutex<HashSet<String>>,
+}
+
+impl Reporter {
+    /// A reporter; a quiet one keeps notes to itself.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, said: Mutex::default() }
+    }
+
+    pub fn note(&self, text: impl AsRef<str>) {
+        if !self.quiet {
+            self.once("note", NOTE, text.as_ref());
+        }
+    }
+
+    pub fn warning(&self, text: impl AsRef<str>) {
+        self.once("warning", WARNING, text.as_ref());
+    }
+
+    /// Says what the loader found. The same finding in many places is said once, with their number.
+    pub fn diagnostics(&self, found: &[Diagnostic]) {
+        for (diagnostic, more) in grouped(found) {
+            let mut text = diagnostic.to_string();
+            if more > 0 {
+                text += &format!(" [and in {more} more places]");
+            }
+            match diagnostic.severity {
+                Severity::Note => self.note(text),
+                Severity::Warning => self.warning(text),
+                Severity::Error => self.once("error", ERROR, &text),
+            }
+        }
+    }
+
+    fn once(&self, label: &str, color: &str, text: &str) {
+        let mut said = match self.said.lock() {
+            Ok(said) => said,
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        if said.insert(format!("{label}{text}")) {
+            say(label, color, text);
+        }
+    }
+}
+
+/// Each finding with the number of further ones that differ only in where they are, in order of first appearance.
+pub(super) fn grouped(found: &[Diagnostic]) -> Vec<(&Diagnostic, usize)> {
+    let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
+    let mut index = std::collections::HashMap::new();
+    for diagnostic in found {
+        let key = (diagnostic.severity, &diagnostic.message, &diagnostic.advice);
+        match index.get(&key) {
+            Some(&at) => {
+                let group: &mut (&Diagnostic, usize) = &mut groups[at];
+                group.1 += 1;
+            }
+            None => {
+                index.insert(key, groups.len());
+                groups.push((diagnostic, 0));
+            }
+        }
+    }
+    groups
+}
+
+/// Says why the program stops, and what to do.
+pub(super) fn error(text: &str, advice: Option<&str>) {
+    say("error", ERROR, text);
+    if let Some(advice) = advice {
+        say("  help", NOTE, advice);
+    }
+}
+
+const ERROR: &str = "\x1b[1;31m";
+const WARNING: &str = "\x1b[1;33m";
+const NOTE: &str = "\x1b[1;36m";
+
+fn say(label: &str, color: &str, text: &str) {
+    let mut stderr = std::io::stderr().lock();
+    let colored = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    // A closed standard error is no reason to stop rendering.
+    let _ = if colored {
+        writeln!(stderr, "{color}{label}:\x1b[0m {text}")
+    } else {
+        writeln!(stderr, "{label}: {text}")
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_findings_in_many_places_are_one() {
+        let finding = |pointer: &str, message: &str| Diagnostic {
+            severity: Severity::Warning,
+            pointer: pointer.to_owned(),
+            message: message.to_owned(),
+            advice: None,
+        };
+        let found = [finding("/a/0", "x"), finding("/a/1", "y"), finding("/a/2", "x"), finding("/a/3", "x")];
+        let groups = grouped(&found);
+        let brief: Vec<_> =
+            groups.iter().map(|(d, n)| (d.pointer.as_str(), d.message.as_str(), *n)).collect();
+        assert_eq!(brief, [("/a/0", "x", 2), ("/a/1", "y", 0)]);
+    }
+}

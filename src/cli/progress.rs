@@ -1,0 +1,64 @@
+//! What a person at a terminal sees while waiting: what is being done, then a bar with the time left. In a pipe,
+//! nothing.
+
+use super::interrupt;
+use super::pipeline::RenderControl;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// The waiting person's view, and the way to stop.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    done: AtomicU64,
+}
+
+impl Progress {
+    /// Visible only on a terminal, and not when quiet.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet || !std::io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::no_length()
+        };
+        Self { bar, done: AtomicU64::new(0) }
+    }
+
+    /// Names a piece of work of unknown length.
+    pub fn phase(&self, name: &str) {
+        self.bar.set_style(style("{spinner} {msg}"));
+        self.bar.set_message(name.to_owned());
+        self.bar.enable_steady_tick(Duration::from_millis(120));
+    }
+
+    /// Begins the bar.
+    pub fn rendering(&self) {
+        self.bar.set_length(1);
+        self.bar.reset();
+        self.bar.set_message("rendering");
+        self.bar.set_style(style("{msg} {wide_bar} {percent:>3} %  {elapsed} elapsed, {eta} left"));
+    }
+
+    /// Removes whatever is shown.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl RenderControl for Progress {
+    fn advance(&self, samples_done: u64, samples_total: u64) {
+        // Threads report out of order.
+        let furthest = self.done.fetch_max(samples_done, Ordering::Relaxed).max(samples_done);
+        self.bar.set_length(samples_total);
+        self.bar.set_position(furthest);
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::requested()
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
