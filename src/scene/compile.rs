@@ -62,21 +62,17 @@ impl Scene {
             .iter()
             .map(|m| m.triangle_materials.iter().any(|&i| matches!(media.get(i as usize), Some(Some(_)))))
             .collect();
-        let mut topologies = Vec::with_capacity(description.meshes.len());
-        for (mesh, &holds) in description.meshes.iter_mut().zip(&holds_medium) {
-            topologies.push(holds.then(|| {
-                let topology = Topology::analyse(&mesh.positions, &mesh.triangles);
-                for &t in &topology.flipped_triangles {
-                    mesh.triangles[t as usize].swap(1, 2);
-                }
-                topology
-            }));
-        }
         let instances: Vec<_> = description.instances.iter().map(|i| (i.mesh, i.transform)).collect();
-        let geometry = SceneGeometry::build(
-            description.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone())).collect(),
-            &instances,
-        )?;
+        let mut geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
+        let topologies: Vec<Option<Topology>> = (0..description.meshes.len())
+            .map(|mesh| {
+                let instance = instances.iter().position(|i| i.0 == mesh)?;
+                holds_medium[mesh].then(|| Topology::analyse(geometry.mesh_of(instance as u32)))
+            })
+            .collect();
+        if turn_inside_out(&mut description, &topologies) {
+            geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
+        }
         let normal_matrices = description
             .instances
             .iter()
@@ -203,8 +199,7 @@ impl Scene {
             let mesh = &self.description.meshes[instance.mesh];
             let materials = mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
             let priority = materials.map(|m| m.priority).max().unwrap_or(0);
-            let volume = self.topologies[instance.mesh].as_ref().map_or(0.0, |t| t.volume().abs() as f64)
-                * Mat3::from(instance.transform.matrix3).determinant().abs() as f64;
+            let volume = volume(mesh) * f64::from(Mat3::from(instance.transform.matrix3).determinant().abs());
             order.push((priority, -volume, i as u32));
         }
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
@@ -281,6 +276,30 @@ impl Scene {
             })
         })
     }
+}
+
+fn triangles_of(description: &SceneDescription) -> Vec<(Vec<Vec3>, Vec<[u32; 3]>)> {
+    description.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone())).collect()
+}
+
+/// Turns the triangles of media that face inwards; true if there were any.
+fn turn_inside_out(description: &mut SceneDescription, topologies: &[Option<Topology>]) -> bool {
+    let mut turned = false;
+    for (mesh, topology) in description.meshes.iter_mut().zip(topologies) {
+        let Some(topology) = topology.as_ref().filter(|t| t.needs_flips()) else { continue };
+        for (triangle, _) in mesh.triangles.iter_mut().zip(&topology.flips).filter(|(_, flip)| **flip) {
+            triangle.swap(1, 2);
+            turned = true;
+        }
+    }
+    turned
+}
+
+/// Enclosed volume of a closed mesh, by the divergence theorem.
+fn volume(mesh: &MeshDescription) -> f64 {
+    let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
+    let tetrahedron = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2])));
+    (mesh.triangles.iter().map(tetrahedron).sum::<f64>() / 6.0).abs()
 }
 
 /// Emission looked up in textures, for sampling lights.

@@ -17,7 +17,7 @@ pub use random_walk::RandomWalk;
 pub use textured::TexturedMedium;
 
 use crate::geometry::Hit;
-use crate::optics::Medium;
+use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Object, Scene, Surface};
 use crate::transport::Enclosure;
@@ -81,8 +81,15 @@ pub enum Arrival {
 /// Light at the scattering events of a flight, for media into which lights can be connected directly.
 pub trait Connector {
     /// Called at each scattering event, after the throughput has been multiplied by the albedo: `incoming` is the
-    /// direction of travel before the event, `g` the mean cosine of the phase function.
-    fn scattered(&mut self, point: Vec3, incoming: Vec3, throughput: Vec3, g: f32, sampler: &mut Sampler);
+    /// direction of travel before the event.
+    fn scattered(
+        &mut self,
+        point: Vec3,
+        incoming: Vec3,
+        throughput: Vec3,
+        phase: HenyeyGreenstein,
+        sampler: &mut Sampler,
+    );
     /// Called with the direction chosen and its phase-function density, so that hits by chance can be weighted.
     fn redirected(&mut self, point: Vec3, pdf: f32);
 }

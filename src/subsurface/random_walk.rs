@@ -23,10 +23,10 @@
 
 use super::{Arrival, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{Hit, Ray, offset_origin};
-use crate::optics::phase;
+use crate::optics::HenyeyGreenstein;
 use crate::sampling::{Sampler, SmallRng};
 use crate::scene::Scene;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
@@ -75,7 +75,7 @@ impl Propagator for Walker {
 pub(super) struct Coefficients {
     pub sigma_s: Vec3,
     pub sigma_t: Vec3,
-    pub g: f32,
+    pub phase: HenyeyGreenstein,
     grey: bool,
 }
 
@@ -83,7 +83,7 @@ impl Coefficients {
     pub fn new(sigma_a: Vec3, sigma_s: Vec3, g: f32, scale: f32) -> Self {
         let sigma_t = (sigma_a + sigma_s) * scale;
         let grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z;
-        Self { sigma_s: sigma_s * scale, sigma_t, g, grey }
+        Self { sigma_s: sigma_s * scale, sigma_t, phase: HenyeyGreenstein { g }, grey }
     }
 
     /// A free flight drawn from the mixture over channels.
@@ -187,7 +187,7 @@ fn walk_alone(flight: &Flight<'_>, head: &mut PathHead, rng: &mut SmallRng) -> A
         }
         beta = c.collision(beta, t);
         p += d * t;
-        d = phase::sample(c.g, d, rng);
+        d = redirect(c.phase, d, rng);
         head.events += 1;
         if head.events >= flight.budget || !roulette(&mut beta, radiance_scale, rng) {
             break Arrival::Ended;
@@ -222,7 +222,7 @@ fn walk_in_scene(
         }
         head.throughput = c.collision(head.throughput, t);
         head.position += head.direction * t;
-        if !scatter(head, c.g, sampler, &mut connector) {
+        if !scatter(head, c.phase, sampler, &mut connector) {
             return Arrival::Ended;
         }
         if head.events >= flight.budget || !roulette(&mut head.throughput, radiance_scale, sampler.rng()) {
@@ -231,10 +231,28 @@ fn walk_in_scene(
     }
 }
 
+/// A new direction of travel.
+#[inline]
+fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3 {
+    if phase.g == 0.0 { uniform_direction(rng) } else { phase.sample(incoming, rng.vec2()).0 }
+}
+
+/// A direction uniform over the sphere, without trigonometry (Marsaglia 1972).
+#[inline]
+fn uniform_direction(rng: &mut SmallRng) -> Vec3 {
+    loop {
+        let p = rng.vec2() * 2.0 - Vec2::ONE;
+        let s = p.length_squared();
+        if s < 1.0 {
+            return (p * (2.0 * (1.0 - s).sqrt())).extend(1.0 - 2.0 * s);
+        }
+    }
+}
+
 /// A scattering event, with connections to lights where they can be made. False: nothing is left to carry.
 pub(super) fn scatter(
     head: &mut PathHead,
-    g: f32,
+    phase: HenyeyGreenstein,
     sampler: &mut Sampler,
     connector: &mut Option<&mut dyn Connector>,
 ) -> bool {
@@ -244,11 +262,11 @@ pub(super) fn scatter(
     }
     let incoming = head.direction;
     if let Some(connector) = connector {
-        connector.scattered(head.position, incoming, head.throughput, g, sampler);
+        connector.scattered(head.position, incoming, head.throughput, phase, sampler);
     }
-    head.direction = phase::sample(g, incoming, sampler.rng());
+    head.direction = redirect(phase, incoming, sampler.rng());
     if let Some(connector) = connector {
-        connector.redirected(head.position, phase::eval(g, incoming.dot(head.direction)));
+        connector.redirected(head.position, phase.eval_directions(incoming, head.direction));
     }
     true
 }

@@ -127,7 +127,7 @@ pub(super) fn propagate(
         let real = scattered / total;
         if sampler.rng().f32() < real {
             head.throughput *= sigma_s / (majorant * real);
-            if !scatter(head, medium.g, sampler, &mut connector) {
+            if !scatter(head, medium.phase(), sampler, &mut connector) {
                 return Arrival::Ended;
             }
         } else {

@@ -3,7 +3,7 @@
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::{PathTracer, Vertex};
 use crate::geometry::{Ray, offset_origin};
-use crate::optics::{Bsdf, phase};
+use crate::optics::{Bsdf, HenyeyGreenstein};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{AlphaMode, Surface};
 use crate::subsurface::{Connector, TexturedMedium};
@@ -197,12 +197,12 @@ impl Connector for InteriorLight<'_, '_> {
         point: Vec3,
         incoming: Vec3,
         throughput: Vec3,
-        g: f32,
+        phase: HenyeyGreenstein,
         sampler: &mut Sampler,
     ) {
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
-        let f = phase::eval(g, incoming.dot(light.direction));
+        let f = phase.eval_directions(incoming, light.direction);
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
         let contribution =
             throughput * light.radiance * (f * weight / light.pdf);
