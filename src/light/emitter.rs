@@ -9,7 +9,7 @@ use std::{fmt, sync::Arc};
 
 use glam::{Vec2, Vec3};
 
-use crate::sampling::{Frame, SphericalTriangle, warp};
+use crate::sampling::{Frame, SphericalTriangle, spherical_triangle::solid_angle, warp};
 
 /// Solid angle below which points on the area are sampled, steradians.
 const MIN_SPHERICAL: f32 = 3e-4;
@@ -17,7 +17,8 @@ const MIN_SPHERICAL: f32 = 3e-4;
 /// Solid angle above which the hemisphere is sampled: 1 % of its directions miss.
 const MAX_SPHERICAL: f32 = 6.22;
 
-/// Squared distance over area beyond which the solid angle is that of a small flat patch (to a few per cent).
+/// Squared distance over area beyond which the solid angle is that of a small flat patch (to a few per cent
+/// of a compact one).
 const FAR: f32 = 30.0;
 
 /// Names an emissive triangle of [`super::Lights`].
@@ -84,7 +85,6 @@ pub(super) struct Emitter {
     /// Unit normal of the front.
     normal: Vec3,
     pub area: f32,
-    pub centroid: Vec3,
     /// Mean radiance over the area and the channels.
     radiance: f32,
 }
@@ -102,7 +102,7 @@ impl Emitter {
             return None;
         }
         let normal = if normal.dot(source.geometric_normal) < 0.0 { -normal } else { normal };
-        Some(Self { normal, area, centroid: (v0 + v1 + v2) / 3.0, radiance, source })
+        Some(Self { normal, area, radiance, source })
     }
 
     /// Height of the point above the emitting side(s), ≤ 0 where nothing is emitted to.
@@ -120,39 +120,31 @@ impl Emitter {
         if height <= 0.0 {
             return 0.0;
         }
-        let to_centroid = self.centroid - point;
-        let distance_squared = to_centroid.length_squared();
-        let (solid_angle, directions, middle);
-        if distance_squared > FAR * self.area {
-            let distance = distance_squared.sqrt();
-            solid_angle = self.area * height / (distance_squared * distance);
-            directions = self.source.vertices.map(|v| v - point);
-            middle = to_centroid / distance;
-            if let Some(normal) = normal {
-                let highest = directions.iter().map(|d| normal.dot(*d)).fold(0.0, f32::max) / distance;
-                return self.radiance * solid_angle * 0.5 * (normal.dot(middle).max(0.0) + highest);
-            }
+        let edges = self.source.vertices.map(|v| v - point);
+        let [a, b, c] = edges.map(|v| v.length_squared());
+        let distance_squared = (a + b + c) * (1.0 / 3.0);
+        let cosine = |n: Vec3, v: Vec3, length_squared: f32| n.dot(v).max(0.0) / length_squared.sqrt();
+        let cosines = normal.map_or(1.0, |n| {
+            (cosine(n, edges[0], a) + cosine(n, edges[1], b) + cosine(n, edges[2], c)) * (1.0 / 3.0)
+        });
+        let solid_angle = if distance_squared > FAR * self.area {
+            self.area * height / (distance_squared * distance_squared.sqrt())
         } else {
-            let triangle = SphericalTriangle::new(self.source.vertices, point);
-            solid_angle = triangle.solid_angle;
-            directions = triangle.vertices();
-            if let Some(normal) = normal {
-                middle = (directions[0] + directions[1] + directions[2]).normalize_or_zero();
-                let highest = directions.iter().map(|d| normal.dot(*d)).fold(0.0, f32::max);
-                return self.radiance * solid_angle * 0.5 * (normal.dot(middle).max(0.0) + highest);
-            }
-        }
-        self.radiance * solid_angle
+            solid_angle(edges, 2.0 * self.area * height)
+        };
+        self.radiance * solid_angle * cosines
     }
 
     /// A direction towards the emitter; `None` where it does not emit to the point.
     #[inline]
     pub(super) fn sample(&self, point: Vec3, u: Vec2) -> Option<EmitterSample> {
-        if self.height(point) <= 0.0 {
+        let height = self.height(point);
+        if height <= 0.0 {
             return None;
         }
         let [v0, v1, v2] = self.source.vertices;
-        let triangle = SphericalTriangle::new(self.source.vertices, point);
+        let triangle =
+            SphericalTriangle::with_volume(self.source.vertices.map(|v| v - point), 2.0 * self.area * height);
         if triangle.solid_angle >= MIN_SPHERICAL {
             let (direction, pdf) = if triangle.solid_angle <= MAX_SPHERICAL {
                 (triangle.sample(u)?, 1.0 / triangle.solid_angle)
@@ -162,28 +154,33 @@ impl Emitter {
                 (direction, warp::UNIFORM_HEMISPHERE_PDF)
             };
             let distance = self.normal.dot(v0 - point) / self.normal.dot(direction);
-            let barycentrics = self.barycentrics(point + distance * direction);
-            let missed = triangle.solid_angle > MAX_SPHERICAL
-                && (barycentrics.min_element() < 0.0 || barycentrics.element_sum() > 1.0);
-            if missed || !(distance > 0.0 && distance.is_finite()) {
+            if !(distance > 0.0 && distance.is_finite()) {
                 return None;
             }
-            let radiance = self.radiance_at(barycentrics.clamp(Vec2::ZERO, Vec2::ONE));
+            let position = point + distance * direction;
+            if triangle.solid_angle > MAX_SPHERICAL {
+                let b = self.barycentrics(position);
+                if b.min_element() < 0.0 || b.element_sum() > 1.0 {
+                    return None;
+                }
+            }
+            let radiance = self.radiance_at(|| self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
             return Some(EmitterSample { direction, distance, radiance, pdf });
         }
         let barycentrics = warp::uniform_triangle(u);
         let position = v0 + barycentrics.x * (v1 - v0) + barycentrics.y * (v2 - v0);
         let (direction, distance, pdf) = self.area_density(point, position)?;
-        Some(EmitterSample { direction, distance, radiance: self.radiance_at(barycentrics), pdf })
+        Some(EmitterSample { direction, distance, radiance: self.radiance_at(|| barycentrics), pdf })
     }
 
     /// Density of [`Self::sample`] with respect to solid angle for the direction to `position`, a point of the emitter.
     #[inline]
     pub(super) fn pdf(&self, point: Vec3, position: Vec3) -> f32 {
-        if self.height(point) <= 0.0 {
+        let height = self.height(point);
+        if height <= 0.0 {
             return 0.0;
         }
-        let solid_angle = SphericalTriangle::new(self.source.vertices, point).solid_angle;
+        let solid_angle = solid_angle(self.source.vertices.map(|v| v - point), 2.0 * self.area * height);
         if solid_angle > MAX_SPHERICAL {
             return warp::UNIFORM_HEMISPHERE_PDF;
         }
@@ -204,11 +201,12 @@ impl Emitter {
         (pdf > 0.0 && pdf.is_finite()).then_some((direction, distance, pdf))
     }
 
-    fn radiance_at(&self, barycentrics: Vec2) -> Vec3 {
+    #[inline]
+    fn radiance_at(&self, barycentrics: impl FnOnce() -> Vec2) -> Vec3 {
         match &self.source.radiance {
             EmissiveRadiance::Constant(radiance) => *radiance,
             EmissiveRadiance::Textured(field) => {
-                field.radiance(self.source.instance, self.source.triangle, barycentrics)
+                field.radiance(self.source.instance, self.source.triangle, barycentrics())
             }
         }
     }

@@ -21,7 +21,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use crate::sampling::{Distribution2D, Frame, warp};
+use crate::sampling::{Distribution2D, Frame, atan2, warp};
 use crate::scene::EnvironmentDescription;
 
 /// Smallest sin θ that a pdf divides by: the poles are points, and a pdf must stay finite there.
@@ -271,9 +271,9 @@ impl EnvironmentMap {
     #[inline]
     fn footprint(&self, direction: Vec3) -> (Footprint, f32) {
         let d = self.to_map(direction);
-        let sin_theta = d.x.hypot(d.z);
-        let v = 0.5 - d.y.atan2(sin_theta) / PI;
-        let x = (d.z.atan2(d.x) / TAU + 0.5) * self.width as f32 - 0.5;
+        let sin_theta = (d.x * d.x + d.z * d.z).sqrt();
+        let v = 0.5 - atan2(d.y, sin_theta) / PI;
+        let x = (atan2(d.z, d.x) / TAU + 0.5) * self.width as f32 - 0.5;
         let y = (v * self.height as f32 - 0.5).clamp(-0.5, self.height as f32 - 0.5);
         let (left, top) = (x.floor(), y.floor());
         let column = |i: i64| i.rem_euclid(self.width as i64) as usize;

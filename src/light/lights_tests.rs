@@ -276,9 +276,13 @@ fn far_importance_meets_the_near_one() {
     // Both sides of the switch from the solid angle to the flat-patch estimate.
     let vertices = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 1.0)];
     let emitter = Emitter::new(triangle(0, 0, vertices, 1.0, true)).unwrap();
+    let centroid = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
     for direction in [Vec3::Y, Vec3::new(0.8, 0.6, 0.0)] {
-        let point = emitter.centroid + direction * (30.0 * emitter.area).sqrt() * 1.001;
+        let point = centroid + direction * 6.0 * emitter.area.sqrt();
         let exact = SphericalTriangle::new(vertices, point).solid_angle;
-        assert!((emitter.importance(point, None) / exact - 1.0).abs() < 0.05);
+        assert!((emitter.importance(point, None) / exact - 1.0).abs() < 0.1);
+        let near = centroid + direction * 2.0;
+        let exact = SphericalTriangle::new(vertices, near).solid_angle;
+        assert!((emitter.importance(near, None) / exact - 1.0).abs() < 1e-5);
     }
 }

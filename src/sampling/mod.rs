@@ -4,6 +4,7 @@
 //! they come from. Uniform numbers lie in \[0, 1), never 1.
 
 pub mod alias;
+pub mod arctangent;
 pub mod distribution;
 pub mod frame;
 pub mod mis;
@@ -15,6 +16,7 @@ pub(crate) mod statistics;
 pub mod warp;
 
 pub use alias::AliasTable;
+pub use arctangent::atan2;
 pub use distribution::{Cell, Distribution1D, Distribution2D};
 pub use frame::{Frame, orthonormal_basis};
 pub use mis::{balance_heuristic, power_heuristic};

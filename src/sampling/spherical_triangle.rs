@@ -3,14 +3,34 @@
 //! | name | symbol | meaning |
 //! | --- | --- | --- |
 //! | `a`, `b`, `c` | A, B, C | unit directions to the vertices |
-//! | `alpha` | α | inner angle at A |
-//! | `cos_c` | cos c | cosine of the edge AB |
-//! | `solid_angle` | σ | area of the spherical triangle |
+//! | `sin_alpha`, `cos_alpha` | α | inner angle at A |
+//! | `e` | 1 − cos c | of the edge AB |
+//! | `area` | σ′ | area of the sub-triangle A B C′ |
+//! | `m` | 1 − cos σ′ | |
+//! | `x` | 1 − cos b′ | of the edge A C′ |
 //!
-//! The solid angle is Van Oosterom & Strackee's (1983) arctangent, which keeps its relative accuracy for small
-//! triangles, where the sum of the inner angles minus π cancels.
+//! Arvo's cosine of b′ is a quotient of differences that cancel in thin triangles. With φ = σ′ − α, u = cos φ − cos α,
+//! v = sin φ + sin α cos c in his equation for cos b′ and φ + α = σ′, it shortens to
+//!
+//! ```text
+//! 1 − cos b′ = m (2 − e) / (m − e sin α sin φ)
+//! ```
+//!
+//! which has nothing to cancel, since φ is negative unless the triangle is large. The solid angle is Van Oosterom &
+//! Strackee's (1983) arctangent for the same reason.
 
 use glam::{Vec2, Vec3};
+
+use super::arctangent::atan2;
+
+/// The solid angle of a triangle, steradians in \[0, 2π\], with the arguments of [`SphericalTriangle::with_volume`]:
+/// tan(σ/2) = volume / (|A||B||C| + (A·B)|C| + (B·C)|A| + (C·A)|B|).
+#[inline]
+pub fn solid_angle(edges: [Vec3; 3], volume: f32) -> f32 {
+    let [a, b, c] = edges;
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    2.0 * atan2(volume, la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
+}
 
 /// A triangle seen from a point.
 #[derive(Clone, Copy, Debug)]
@@ -23,17 +43,22 @@ pub struct SphericalTriangle {
 }
 
 impl SphericalTriangle {
-    /// The triangle of `vertices` seen from `point`; its solid angle is 0 where it is seen edge on or where `point` is a vertex.
+    /// The triangle of `vertices` seen from `point`; its solid angle is 0 where it is seen edge on or where `point` is
+    /// a vertex.
     #[inline]
     pub fn new(vertices: [Vec3; 3], point: Vec3) -> Self {
-        let [a, b, c] = vertices.map(|v| (v - point).normalize_or_zero());
-        // tan(σ/2) = |A · (B × C)| / (1 + A·B + B·C + C·A), with the product taken of edge vectors so that small
-        // triangles do not cancel.
+        let [a, b, c] = vertices.map(|v| v - point);
+        // A · (B × C), taken of edge vectors so that small triangles do not cancel.
         let volume = a.dot((b - a).cross(c - a)).abs();
-        let sum = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-        let valid = a != Vec3::ZERO && b != Vec3::ZERO && c != Vec3::ZERO;
-        let solid_angle = if valid { 2.0 * volume.atan2(sum) } else { 0.0 };
-        Self { solid_angle, a, b, c }
+        Self::with_volume([a, b, c], volume)
+    }
+
+    /// The triangle whose vertices lie at `edges` from the point; `volume` is six times that of the tetrahedron with the
+    /// point: twice the area times the height of the point above the triangle's plane.
+    #[inline]
+    pub fn with_volume(edges: [Vec3; 3], volume: f32) -> Self {
+        let [a, b, c] = edges.map(|v| v.normalize_or_zero());
+        Self { solid_angle: solid_angle(edges, volume), a, b, c }
     }
 
     /// The unit directions to the three vertices (zero where the point is the vertex).
@@ -50,36 +75,27 @@ impl SphericalTriangle {
         // The inner angle at A, between the planes AB and AC.
         let n_ab = (b - a).cross(a);
         let n_ac = (c - a).cross(a);
-        let cos_alpha_scaled = n_ab.dot(n_ac);
-        let sin_alpha_scaled = n_ab.cross(n_ac).length();
-        let scale = cos_alpha_scaled.hypot(sin_alpha_scaled);
-        if !(scale > 0.0 && self.solid_angle > 0.0) {
+        let (cos_alpha, sin_alpha) = (n_ab.dot(n_ac), n_ab.cross(n_ac).length());
+        let scale = 1.0 / (cos_alpha * cos_alpha + sin_alpha * sin_alpha).sqrt();
+        if !(scale.is_finite() && self.solid_angle > 0.0) {
             return None;
         }
-        let (sin_alpha, cos_alpha) = (sin_alpha_scaled / scale, cos_alpha_scaled / scale);
-        let cos_c = a.dot(b);
+        let (sin_alpha, cos_alpha) = (sin_alpha * scale, cos_alpha * scale);
+        let e = 0.5 * (b - a).length_squared();
 
-        // Sub-triangle A B C' of area σ' = u σ. With φ = σ' − α:
         let area = u.x * self.solid_angle;
-        let (sin_area, cos_area) = area.sin_cos();
-        let sin_phi = sin_area * cos_alpha - cos_area * sin_alpha;
-        let cos_phi = cos_area * cos_alpha + sin_area * sin_alpha;
-        let k1 = cos_phi - cos_alpha;
-        let k2 = sin_phi + sin_alpha * cos_c;
-        let denominator = (k2 * sin_phi + k1 * cos_phi) * sin_alpha;
-        let numerator = (k2 * cos_phi - k1 * sin_phi) * cos_alpha - k2;
-        if denominator == 0.0 {
-            return None;
-        }
-        let cos_b = (numerator / denominator).clamp(-1.0, 1.0);
-        let toward_c = (c - a * c.dot(a)).try_normalize()?;
-        let c_new = a * cos_b + toward_c * (1.0 - cos_b * cos_b).max(0.0).sqrt();
+        let (sin_half, cos_half) = (0.5 * area).sin_cos();
+        let m = 2.0 * sin_half * sin_half;
+        let sin_phi = 2.0 * sin_half * cos_half * cos_alpha - (1.0 - m) * sin_alpha;
+        let x = (m * (2.0 - e) / (m - e * sin_alpha * sin_phi)).clamp(0.0, 2.0);
+        let toward_c = ((c - a) - a * (c - a).dot(a)).try_normalize()?;
+        let c_new = a * (1.0 - x) + toward_c * (x * (2.0 - x)).sqrt();
 
         // A point of the arc from B to C', uniform in the cosine from B.
         let one_minus = (1.0 - u.y) * 0.5 * (c_new - b).length_squared();
         let cos_theta = 1.0 - one_minus;
         let sin_theta = (one_minus * (2.0 - one_minus)).max(0.0).sqrt();
-        let direction = match (c_new - b * c_new.dot(b)).try_normalize() {
+        let direction = match ((c_new - b) - b * (c_new - b).dot(b)).try_normalize() {
             Some(side) => b * cos_theta + side * sin_theta,
             None => b,
         };
@@ -111,6 +127,9 @@ mod tests {
             [Vec3::new(1.0, 0.1, 1.0), Vec3::new(-1.0, 0.1, 1.0), Vec3::new(0.0, 0.1, -1.0)],
             [Vec3::new(-0.02, 1.0, 0.0), Vec3::new(0.02, 1.0, 0.0), Vec3::new(0.0, 1.0, 0.03)],
             [Vec3::new(-1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.1, 1.0, 0.1)],
+            [Vec3::new(-1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.1, 1.0, 0.003)],
+            [Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 0.003), Vec3::new(-1.0, 1.0, 0.0)],
+            [Vec3::new(1.0, 0.02, 0.0), Vec3::new(-0.6, 0.02, 1.0), Vec3::new(-0.6, 0.02, -1.0)],
         ]
     }
 
