@@ -17,6 +17,9 @@ use crate::scene::SceneDescription;
 /// Diagnostics beyond this many are counted, not kept.
 const MOST_DIAGNOSTICS: usize = 500;
 
+/// Longer lists of factors are not read to the end.
+const MOST_FACTORS: usize = 17;
+
 /// An asset while it is being read.
 pub struct Loader<'a> {
     pub(crate) document: &'a Value,
@@ -44,6 +47,7 @@ pub(crate) struct Totals {
     pub vertices: u64,
     pub triangles: u64,
     pub image_pixels: u64,
+    pub collapsed: usize,
 }
 
 impl<'a> Loader<'a> {
@@ -150,16 +154,16 @@ impl<'a> Loader<'a> {
         let Some(value) = json.f64(key)? else { return Ok(default) };
         let (low, high) = (*range.start(), *range.end());
         if !range.contains(&value) {
-            let which = if value < low { format!("below {low}") } else { format!("above {high}") };
-            self.invalid(&json.pointer_to(key), format!("{value} is {which}"))?;
+            self.invalid(&json.pointer_to(key), outside(value, low, high))?;
         }
         Ok(value.clamp(low, high) as f32)
     }
 
-    /// Property `key` as `N` numbers, each as [`factor`](Self::factor) has it.
+    /// Property `key` as `N` numbers, each as [`factor`](Self::factor) has it. Another count of numbers is
+    /// [`invalid`](Self::invalid); missing ones are those of `default`.
     ///
     /// # Errors
-    /// Where they are not `N` numbers, or out of range in a strict load.
+    /// Where they are not numbers, or out of range or not `N` in a strict load.
     pub fn factors<const N: usize>(
         &mut self,
         json: &Json<'_>,
@@ -167,12 +171,19 @@ impl<'a> Loader<'a> {
         default: [f32; N],
         range: std::ops::RangeInclusive<f64>,
     ) -> Result<[f32; N], AssetError> {
-        let Some(values) = json.numbers::<N>(key)? else { return Ok(default) };
+        let Some(array) = json.get(key) else { return Ok(default) };
+        let given = array.items()?.take(MOST_FACTORS).map(|n| n.as_f64()).collect::<Result<Vec<f64>, _>>()?;
+        if given.len() != N {
+            self.invalid(array.pointer(), format!("{} numbers where {N} are expected", given.len()))?;
+        }
+        let mut values = default.map(f64::from);
+        for (value, given) in values.iter_mut().zip(given) {
+            *value = given;
+        }
         let (low, high) = (*range.start(), *range.end());
         for (i, value) in values.iter().enumerate() {
             if !range.contains(value) {
-                let which = if *value < low { format!("below {low}") } else { format!("above {high}") };
-                self.invalid(&format!("{}/{i}", json.pointer_to(key)), format!("{value} is {which}"))?;
+                self.invalid(&format!("{}/{i}", json.pointer_to(key)), outside(*value, low, high))?;
             }
         }
         Ok(values.map(|v| v.clamp(low, high) as f32))
@@ -219,5 +230,16 @@ impl<'a> Loader<'a> {
         }
         self.diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
         (self.scene, self.diagnostics)
+    }
+}
+
+/// Says on which side of a range a value is.
+fn outside(value: f64, low: f64, high: f64) -> String {
+    const PLAIN: f64 = 1e6;
+    let show = |x: f64| if x.abs() < PLAIN { format!("{x}") } else { format!("{x:e}") };
+    if value < low {
+        format!("{} is below {}", show(value), show(low))
+    } else {
+        format!("{} is above {}", show(value), show(high))
     }
 }

@@ -83,10 +83,7 @@ impl Loader<'_> {
             let [a, b, c] = t.map(|i| positions[i as usize]);
             a != b && b != c && c != a
         });
-        let lost = before - primitive.triangles.len();
-        if lost > 0 {
-            self.note(json.pointer(), format!("{lost} of {before} triangles have two corners at one place"));
-        }
+        self.totals.collapsed += before - primitive.triangles.len();
         if !primitive.normals.is_empty() {
             let bad = normalize(primitive);
             if bad > 0 {

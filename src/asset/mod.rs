@@ -252,6 +252,10 @@ impl<'a> Loader<'a> {
         if self.scene.instances.is_empty() {
             self.warn("", "there is nothing to see in the scene", None);
         }
+        let collapsed = self.totals.collapsed;
+        if collapsed > 0 {
+            self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
+        }
         if self.document.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()) {
             self.note("/animations", "animations are not played; the scene is shown as it is at rest");
         }
