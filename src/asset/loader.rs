@@ -5,7 +5,9 @@
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
+use std::sync::Arc;
 
+use glam::Mat4;
 use serde_json::Value;
 
 use super::LoadOptions;
@@ -20,6 +22,9 @@ const MOST_DIAGNOSTICS: usize = 500;
 /// Longer lists of factors are not read to the end.
 const MOST_FACTORS: usize = 17;
 
+/// Index of a mesh of the file, bits of the weights of its morph targets, and index of its skin.
+type MeshKey = (usize, (Vec<u32>, Option<usize>));
+
 /// An asset while it is being read.
 pub struct Loader<'a> {
     pub(crate) document: &'a Value,
@@ -31,7 +36,10 @@ pub struct Loader<'a> {
     pub(crate) textures: HashMap<usize, Option<usize>>,
     pub(crate) images: HashMap<usize, usize>,
     pub(crate) image_sources: Vec<usize>,
-    pub(crate) meshes: HashMap<usize, Option<usize>>,
+    pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
+    pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
+    pub(crate) worlds: Vec<Option<glam::DAffine3>>,
+    pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
     pub(crate) totals: Totals,
     /// The scene as far as it has been read.
@@ -46,7 +54,8 @@ pub struct Loader<'a> {
 pub(crate) struct Totals {
     pub vertices: u64,
     pub triangles: u64,
-    pub image_pixels: u64,
+    pub image_bytes: u64,
+    pub file_bytes: u64,
     pub collapsed: usize,
 }
 
@@ -63,6 +72,9 @@ impl<'a> Loader<'a> {
             images: HashMap::new(),
             image_sources: Vec::new(),
             meshes: HashMap::new(),
+            skins: HashMap::new(),
+            worlds: Vec::new(),
+            declared: HashSet::new(),
             bounds: HashMap::new(),
             totals: Totals::default(),
             scene: SceneDescription::default(),
