@@ -7,6 +7,9 @@ use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
 
+/// Elements of an accessor that has no buffer view, and so no bytes to show for them.
+const MOST_ZEROS: u64 = 1 << 22;
+
 /// The number type of an accessor's components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Component {
@@ -128,6 +131,10 @@ impl Loader<'_> {
             Some(sparse) => Some(self.sparse(&sparse, component, size, count)?),
             None => None,
         };
+        if data.is_none() {
+            let what = "the accessor, which has no buffer view, in elements,";
+            Self::within(count as u64, limit.min(MOST_ZEROS), &json.pointer_to("count"), what, "vertices")?;
+        }
         if data.is_none() && sparse.is_none() && count > 0 {
             self.warn(json.pointer(), "has no data, so that all its elements are zero", None);
         }

@@ -47,8 +47,10 @@ impl Loader<'_> {
         let payload = match uri::data(pointer, uri) {
             Some(payload) => payload?,
             None => {
-                let limit = self.options.limits.file_bytes;
-                uri::file(self.folder, pointer, uri, self.options.allow_outside, limit)?
+                let left = self.options.limits.file_bytes.saturating_sub(self.totals.file_bytes);
+                let payload = uri::file(self.folder, pointer, uri, self.options.allow_outside, left)?;
+                self.totals.file_bytes += payload.bytes.len() as u64;
+                payload
             }
         };
         if let Some(oddity) = payload.oddity {

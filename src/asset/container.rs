@@ -5,7 +5,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use serde::de::{Deserialize, DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
 use super::error::AssetError;
@@ -107,32 +107,53 @@ fn split_glb(bytes: &[u8]) -> Result<Parts, AssetError> {
 }
 
 /// Parses a document; also returns the keys that occur twice in one object (the last one counts).
-pub(crate) fn parse(bytes: &[u8]) -> Result<(Value, Vec<String>), AssetError> {
-    let mut duplicates = Vec::new();
+pub(crate) fn parse(bytes: &[u8], limit: u64) -> Result<(Value, Vec<String>), AssetError> {
+    let mut notes = Notes { left: Some(limit), duplicates: Vec::new() };
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let value = Tree { duplicates: &mut duplicates }
-        .deserialize(&mut deserializer)
-        .and_then(|value| deserializer.end().map(|()| value))
-        .map_err(|e| {
-            let (line, column) = (e.line(), e.column());
-            let text = e.to_string();
-            let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
-            AssetError::Json { message, line, column }
-        })?;
+    let result = Tree(&mut notes).deserialize(&mut deserializer).and_then(|v| deserializer.end().map(|()| v));
+    if notes.left.is_none() {
+        return Err(AssetError::Limit {
+            pointer: String::new(),
+            what: "the JSON document, in values,".to_owned(),
+            needed: limit.saturating_add(1),
+            limit,
+            field: "json_values",
+        });
+    }
+    let value = result.map_err(|e| {
+        let (line, column) = (e.line(), e.column());
+        let text = e.to_string();
+        let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
+        AssetError::Json { message, line, column }
+    })?;
     if !value.is_object() {
         return Err(broken("not a glTF file: the document is not a JSON object"));
     }
-    Ok((value, duplicates))
+    Ok((value, notes.duplicates))
 }
 
-/// Builds a [`Value`] and notes duplicate keys, which `serde_json` alone drops without a word.
-struct Tree<'d> {
-    duplicates: &'d mut Vec<String>,
+/// What is noted while a document is parsed.
+struct Notes {
+    /// How many more values are allowed; `None` once there were too many.
+    left: Option<u64>,
+    /// Keys that occurred twice in one object.
+    duplicates: Vec<String>,
+}
+
+/// Builds a [`Value`], counts values, and notes duplicate keys, which `serde_json` alone drops without a word.
+struct Tree<'d>(&'d mut Notes);
+
+impl Tree<'_> {
+    fn count<E: Error>(&mut self) -> Result<(), E> {
+        self.0.left = self.0.left.and_then(|n| n.checked_sub(1));
+        if self.0.left.is_none() { Err(E::custom("too many values")) } else { Ok(()) }
+    }
 }
 
 impl<'de> DeserializeSeed<'de> for Tree<'_> {
     type Value = Value;
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(mut self, deserializer: D) -> Result<Value, D::Error> {
+        self.count()?;
         deserializer.deserialize_any(self)
     }
 }
@@ -172,7 +193,7 @@ impl<'de> Visitor<'de> for Tree<'_> {
     }
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Value, A::Error> {
         let mut array = Vec::new();
-        while let Some(item) = seq.next_element_seed(Tree { duplicates: self.duplicates })? {
+        while let Some(item) = seq.next_element_seed(Tree(self.0))? {
             array.push(item);
         }
         Ok(Value::Array(array))
@@ -181,9 +202,9 @@ impl<'de> Visitor<'de> for Tree<'_> {
         const REPORTED: usize = 16;
         let mut object = Map::new();
         while let Some(key) = map.next_key::<String>()? {
-            let value = map.next_value_seed(Tree { duplicates: self.duplicates })?;
-            if object.contains_key(&key) && self.duplicates.len() < REPORTED {
-                self.duplicates.push(key.clone());
+            let value = map.next_value_seed(Tree(self.0))?;
+            if object.contains_key(&key) && self.0.duplicates.len() < REPORTED {
+                self.0.duplicates.push(key.clone());
             }
             object.insert(key, value);
         }

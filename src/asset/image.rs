@@ -5,14 +5,14 @@
 
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageFormat, ImageReader, Limits as DecoderLimits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits as DecoderLimits};
 
 use super::Limits;
 use crate::extension::Registry;
 use crate::scene::{ImageData, ImagePixels};
 
-/// Bytes a decoder may use for each pixel allowed: two copies at 16 bits a channel.
-const BYTES_PER_PIXEL: u64 = 16;
+/// Bytes a decoder may use for each byte of the decoded image that is allowed.
+const DECODER_OVERHEAD: u64 = 2;
 
 /// The format of a PNG or JPEG file.
 fn format(bytes: &[u8]) -> Option<ImageFormat> {
@@ -38,9 +38,13 @@ pub(crate) fn mime(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Width and height of a PNG or JPEG file, from its header alone.
-pub(crate) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
-    ImageReader::with_format(Cursor::new(bytes), format(bytes)?).into_dimensions().ok()
+/// Bytes that a PNG or JPEG file will take once decoded, from its header alone.
+pub(crate) fn decoded_bytes(bytes: &[u8]) -> Option<u64> {
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format(bytes)?).into_decoder().ok()?;
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let wide = color.bytes_per_pixel() > color.channel_count();
+    Some(u64::from(width) * u64::from(height) * if wide { 8 } else { 4 })
 }
 
 /// Decodes an image file, with the help of extensions where it is neither PNG nor JPEG.
@@ -56,7 +60,7 @@ pub(crate) fn decode(bytes: &[u8], registry: &Registry, limits: &Limits) -> Resu
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut decoder_limits = DecoderLimits::default();
-    decoder_limits.max_alloc = Some(limits.image_pixels.saturating_mul(BYTES_PER_PIXEL));
+    decoder_limits.max_alloc = Some(limits.image_bytes.saturating_mul(DECODER_OVERHEAD));
     reader.limits(decoder_limits);
     let image = reader.decode().map_err(|e| e.to_string())?;
     let (width, height) = (image.width(), image.height());

@@ -5,7 +5,9 @@
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
+use std::sync::Arc;
 
+use glam::Mat4;
 use serde_json::Value;
 
 use super::LoadOptions;
@@ -16,6 +18,12 @@ use crate::scene::SceneDescription;
 
 /// Diagnostics beyond this many are counted, not kept.
 const MOST_DIAGNOSTICS: usize = 500;
+
+/// Longer lists of factors are not read to the end.
+const MOST_FACTORS: usize = 17;
+
+/// Index of a mesh of the file, bits of the weights of its morph targets, and index of its skin.
+type MeshKey = (usize, (Vec<u32>, Option<usize>));
 
 /// An asset while it is being read.
 pub struct Loader<'a> {
@@ -28,7 +36,10 @@ pub struct Loader<'a> {
     pub(crate) textures: HashMap<usize, Option<usize>>,
     pub(crate) images: HashMap<usize, usize>,
     pub(crate) image_sources: Vec<usize>,
-    pub(crate) meshes: HashMap<usize, Option<usize>>,
+    pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
+    pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
+    pub(crate) worlds: Vec<Option<glam::DAffine3>>,
+    pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
     pub(crate) totals: Totals,
     /// The scene as far as it has been read.
@@ -43,7 +54,9 @@ pub struct Loader<'a> {
 pub(crate) struct Totals {
     pub vertices: u64,
     pub triangles: u64,
-    pub image_pixels: u64,
+    pub image_bytes: u64,
+    pub file_bytes: u64,
+    pub collapsed: usize,
 }
 
 impl<'a> Loader<'a> {
@@ -59,6 +72,9 @@ impl<'a> Loader<'a> {
             images: HashMap::new(),
             image_sources: Vec::new(),
             meshes: HashMap::new(),
+            skins: HashMap::new(),
+            worlds: Vec::new(),
+            declared: HashSet::new(),
             bounds: HashMap::new(),
             totals: Totals::default(),
             scene: SceneDescription::default(),
@@ -150,16 +166,16 @@ impl<'a> Loader<'a> {
         let Some(value) = json.f64(key)? else { return Ok(default) };
         let (low, high) = (*range.start(), *range.end());
         if !range.contains(&value) {
-            let which = if value < low { format!("below {low}") } else { format!("above {high}") };
-            self.invalid(&json.pointer_to(key), format!("{value} is {which}"))?;
+            self.invalid(&json.pointer_to(key), outside(value, low, high))?;
         }
         Ok(value.clamp(low, high) as f32)
     }
 
-    /// Property `key` as `N` numbers, each as [`factor`](Self::factor) has it.
+    /// Property `key` as `N` numbers, each as [`factor`](Self::factor) has it. Another count of numbers is
+    /// [`invalid`](Self::invalid); missing ones are those of `default`.
     ///
     /// # Errors
-    /// Where they are not `N` numbers, or out of range in a strict load.
+    /// Where they are not numbers, or out of range or not `N` in a strict load.
     pub fn factors<const N: usize>(
         &mut self,
         json: &Json<'_>,
@@ -167,12 +183,19 @@ impl<'a> Loader<'a> {
         default: [f32; N],
         range: std::ops::RangeInclusive<f64>,
     ) -> Result<[f32; N], AssetError> {
-        let Some(values) = json.numbers::<N>(key)? else { return Ok(default) };
+        let Some(array) = json.get(key) else { return Ok(default) };
+        let given = array.items()?.take(MOST_FACTORS).map(|n| n.as_f64()).collect::<Result<Vec<f64>, _>>()?;
+        if given.len() != N {
+            self.invalid(array.pointer(), format!("{} numbers where {N} are expected", given.len()))?;
+        }
+        let mut values = default.map(f64::from);
+        for (value, given) in values.iter_mut().zip(given) {
+            *value = given;
+        }
         let (low, high) = (*range.start(), *range.end());
         for (i, value) in values.iter().enumerate() {
             if !range.contains(value) {
-                let which = if *value < low { format!("below {low}") } else { format!("above {high}") };
-                self.invalid(&format!("{}/{i}", json.pointer_to(key)), format!("{value} is {which}"))?;
+                self.invalid(&format!("{}/{i}", json.pointer_to(key)), outside(*value, low, high))?;
             }
         }
         Ok(values.map(|v| v.clamp(low, high) as f32))
@@ -219,5 +242,16 @@ impl<'a> Loader<'a> {
         }
         self.diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
         (self.scene, self.diagnostics)
+    }
+}
+
+/// Says on which side of a range a value is.
+fn outside(value: f64, low: f64, high: f64) -> String {
+    const PLAIN: f64 = 1e6;
+    let show = |x: f64| if x.abs() < PLAIN { format!("{x}") } else { format!("{x:e}") };
+    if value < low {
+        format!("{} is below {}", show(value), show(low))
+    } else {
+        format!("{} is above {}", show(value), show(high))
     }
 }

@@ -9,6 +9,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
+use super::pose::Pose;
 use super::primitive::Primitive;
 use super::tangent;
 use crate::scene::MeshDescription;
@@ -17,12 +18,15 @@ use crate::scene::MeshDescription;
 pub(crate) const FARTHEST: f64 = 1e9;
 
 impl Loader<'_> {
-    /// The scene's mesh for mesh `index` of the file; `None` if it has no triangles.
-    ///
-    /// # Errors
-    /// Where there is no such mesh, or it cannot be read.
-    pub fn mesh(&mut self, index: usize, from: &str) -> Result<Option<usize>, AssetError> {
-        if let Some(&known) = self.meshes.get(&index) {
+    /// The scene's mesh for mesh `index` of the file in a pose; `None` if it has no triangles.
+    pub(crate) fn mesh(
+        &mut self,
+        index: usize,
+        from: &str,
+        pose: &Pose,
+    ) -> Result<Option<usize>, AssetError> {
+        let key = (index, pose.key());
+        if let Some(&known) = self.meshes.get(&key) {
             return Ok(known);
         }
         let json = self.entry("meshes", index, from)?;
@@ -33,6 +37,8 @@ impl Loader<'_> {
         }
         for primitive in list {
             if let Some(mut read) = self.primitive(&primitive)? {
+                self.morph(&mut read, &primitive, pose)?;
+                self.skinned(&mut read, &primitive, pose)?;
                 self.clean(&mut read, &primitive);
                 self.spend(read.positions.len(), read.triangles.len(), primitive.pointer())?;
                 self.check_uv_sets(&read, &primitive);
@@ -57,7 +63,7 @@ impl Loader<'_> {
             self.scene.meshes.push(mesh);
             Some(self.scene.meshes.len() - 1)
         };
-        self.meshes.insert(index, mesh);
+        self.meshes.insert(key, mesh);
         Ok(mesh)
     }
 
@@ -83,10 +89,7 @@ impl Loader<'_> {
             let [a, b, c] = t.map(|i| positions[i as usize]);
             a != b && b != c && c != a
         });
-        let lost = before - primitive.triangles.len();
-        if lost > 0 {
-            self.note(json.pointer(), format!("{lost} of {before} triangles have two corners at one place"));
-        }
+        self.totals.collapsed += before - primitive.triangles.len();
         if !primitive.normals.is_empty() {
             let bad = normalize(primitive);
             if bad > 0 {

@@ -28,6 +28,8 @@ mod loader;
 mod material;
 mod mesh;
 mod node;
+mod place;
+mod pose;
 mod primitive;
 mod summary;
 mod tangent;
@@ -70,10 +72,10 @@ pub struct LoadOptions {
 /// How much a file may ask for, so that a small hostile file cannot take the whole machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes of any one file.
+    /// Bytes of all files together.
     pub file_bytes: u64,
-    /// Bytes of the JSON document; in memory it takes up to 16 times as many.
-    pub json_bytes: u64,
+    /// Numbers, strings, arrays, objects and so on of the JSON document; each takes up to 200 bytes.
+    pub json_values: u64,
     /// Nodes of the document.
     pub nodes: u64,
     /// Instances of the scene.
@@ -82,20 +84,20 @@ pub struct Limits {
     pub vertices: u64,
     /// Triangles of all meshes together.
     pub triangles: u64,
-    /// Pixels of all images together.
-    pub image_pixels: u64,
+    /// Bytes of all decoded images together: 4 a pixel, 8 for 16-bit images.
+    pub image_bytes: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
         Self {
             file_bytes: 4 << 30,
-            json_bytes: 64 << 20,
+            json_values: 8_000_000,
             nodes: 4_000_000,
             instances: 4_000_000,
             vertices: 50_000_000,
             triangles: 50_000_000,
-            image_pixels: 1 << 28,
+            image_bytes: 1 << 30,
         }
     }
 }
@@ -129,10 +131,9 @@ pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Resul
     let bytes = Bytes::from(bytes);
     let parts = container::split(&bytes)?;
     let json_bytes = bytes.get(parts.json).unwrap_or_default();
-    let limit = options.limits.json_bytes;
-    Loader::within(json_bytes.len() as u64, limit, "", "the JSON document, in bytes,", "json_bytes")?;
-    let (document, duplicates) = container::parse(json_bytes)?;
+    let (document, duplicates) = container::parse(json_bytes, options.limits.json_values)?;
     let mut loader = Loader::new(&document, options, folder);
+    loader.totals.file_bytes = bytes.len() as u64;
     loader.bin = parts.bin.and_then(|range| bytes.slice(range.start, range.len()));
     for oddity in parts.oddities {
         loader.invalid("", oddity)?;
@@ -252,6 +253,10 @@ impl<'a> Loader<'a> {
     fn afterthoughts(&mut self) {
         if self.scene.instances.is_empty() {
             self.warn("", "there is nothing to see in the scene", None);
+        }
+        let collapsed = self.totals.collapsed;
+        if collapsed > 0 {
+            self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
         }
         if self.document.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()) {
             self.note("/animations", "animations are not played; the scene is shown as it is at rest");

@@ -8,6 +8,7 @@ use super::accessor::{Accessor, Component};
 use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
+use super::texture::MOST_UV_SETS;
 use super::topology::Topology;
 use crate::scene::NO_MATERIAL;
 
@@ -61,7 +62,8 @@ impl Loader<'_> {
             self.invalid(json.pointer(), "has no `attributes` and is left out")?;
             return Ok(None);
         };
-        let Some((components, positions)) = self.attribute(&attributes, "POSITION", &mut decoded)? else {
+        let Some((components, positions)) = self.attribute(&attributes, "POSITION", &mut decoded, None)?
+        else {
             self.warn(attributes.pointer(), "there is no POSITION, so the primitive is left out", None);
             return Ok(None);
         };
@@ -74,16 +76,14 @@ impl Loader<'_> {
             ..Primitive::default()
         };
         let mut fitting = |loader: &mut Self, key: &str, widths: &[usize]| {
-            let Some((width, elements)) = loader.attribute(&attributes, key, &mut decoded)? else {
+            let Some((width, elements)) = loader.attribute(&attributes, key, &mut decoded, Some(count))?
+            else {
                 return Ok(None);
             };
-            let message = if !widths.contains(&width) {
-                format!("has {width} components, which {key} cannot have; it is ignored")
-            } else if elements.len() != count {
-                format!("has {} elements, but POSITION has {count}; it is ignored", elements.len())
-            } else {
+            if widths.contains(&width) {
                 return Ok(Some((width, elements)));
-            };
+            }
+            let message = format!("has {width} components, which {key} cannot have; it is ignored");
             loader.invalid(&attributes.pointer_to(key), message)?;
             Ok::<_, AssetError>(None)
         };
@@ -93,7 +93,7 @@ impl Loader<'_> {
         if let Some((_, tangents)) = fitting(self, "TANGENT", &[4])? {
             out.tangents = tangents.into_iter().map(Vec4::from).collect();
         }
-        for set in 0.. {
+        for set in 0..MOST_UV_SETS {
             let key = format!("TEXCOORD_{set}");
             if attributes.get(&key).is_none() {
                 break;
@@ -149,21 +149,32 @@ impl Loader<'_> {
         Ok(None)
     }
 
+    /// The elements of an attribute; `None` if it is absent or, with a message, has not as many as it should.
     fn attribute(
         &mut self,
         attributes: &Json<'_>,
         key: &str,
         decoded: &mut DecodedPrimitive,
+        expected: Option<usize>,
     ) -> Result<Option<Elements>, AssetError> {
-        if let Some(elements) = decoded.attributes.remove(key) {
-            return Ok(Some(elements));
+        let elements = decoded.attributes.remove(key);
+        let mut accessor = match (&elements, attributes.usize(key)?) {
+            (Some(_), _) => None,
+            (None, Some(index)) => Some(self.accessor(index, &attributes.pointer_to(key))?),
+            (None, None) => return Ok(None),
+        };
+        let found = accessor.as_ref().map_or(0, |a| a.count) + elements.as_ref().map_or(0, |e| e.1.len());
+        if let Some(expected) = expected.filter(|&n| n != found) {
+            let message = format!("has {found} elements, but POSITION has {expected}; it is ignored");
+            self.invalid(&attributes.pointer_to(key), message)?;
+            return Ok(None);
         }
-        let Some(index) = attributes.usize(key)? else { return Ok(None) };
-        let accessor = self.accessor(index, &attributes.pointer_to(key))?;
-        let (rows, columns) = accessor.shape;
-        let mut accessor = accessor;
-        self.promote(&mut accessor, attributes, key)?;
-        Ok(Some((rows * columns, accessor.floats::<4>())))
+        if let Some(accessor) = &mut accessor {
+            self.promote(accessor, attributes, key)?;
+            let (rows, columns) = accessor.shape;
+            return Ok(Some((rows * columns, accessor.floats::<4>())));
+        }
+        Ok(elements)
     }
 
     /// Colours and texture coordinates in integers are fractions, even where the file forgot to say so; other integers

@@ -1,6 +1,6 @@
 //! What is in a file, for `inspect`: counts, names, media, and what becomes of each extension.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use serde_json::Value;
@@ -168,8 +168,7 @@ pub struct ExtensionSummary {
 impl Loader<'_> {
     /// Whether the file declares that it uses an extension.
     pub fn uses(&self, name: &str) -> bool {
-        let lists = ["extensionsUsed", "extensionsRequired"].map(|key| self.document.get(key));
-        lists.into_iter().flatten().filter_map(Value::as_array).flatten().any(|n| n.as_str() == Some(name))
+        self.declared.contains(name)
     }
 
     /// Finds the extensions of the file, and refuses to go on without those that it requires.
@@ -180,28 +179,24 @@ impl Loader<'_> {
             list.map(|n| Ok((n.as_str()?.to_owned(), n.pointer().to_owned()))).collect()
         };
         let (used, required) = (names("extensionsUsed")?, names("extensionsRequired")?);
-        let mut found = places(self.document);
-        let mut all: Vec<String> = Vec::new();
+        self.declared = used.iter().map(|(n, _)| n.clone()).collect();
         for (name, pointer) in &required {
-            if !used.iter().any(|(n, _)| n == name) {
+            if self.declared.insert(name.clone()) {
                 self.invalid(pointer, format!("{name} is required, but not in /extensionsUsed"))?;
             }
         }
+        let mut found = places(self.document);
         for (name, (_, pointer)) in &found {
-            let declared = used.iter().chain(&required).any(|(n, _)| n == name);
-            if !declared && self.options.registry.get(name).is_some() {
+            if !self.declared.contains(name) && self.options.registry.get(name).is_some() {
                 self.invalid(pointer, format!("{name} is not in /extensionsUsed; it is read all the same"))?;
             }
         }
-        for name in used.iter().chain(&required).map(|(n, _)| n).chain(found.keys()) {
-            if !all.contains(name) {
-                all.push(name.clone());
-            }
-        }
+        let required: BTreeSet<&String> = required.iter().map(|(n, _)| n).collect();
+        let all: BTreeSet<String> = self.declared.iter().chain(found.keys()).cloned().collect();
         let mut missing: Vec<String> = Vec::new();
         let mut summaries = Vec::new();
         for name in all {
-            let is_required = required.iter().any(|(n, _)| *n == name);
+            let is_required = required.contains(&name);
             let (places, pointer) = found.remove(&name).unwrap_or_default();
             let (supported, ignored) = match self.options.registry.get(&name) {
                 Some(extension) => (true, extension.shortfall().map(str::to_owned)),

@@ -13,7 +13,10 @@ use super::loader::Loader;
 use crate::scene::{ColorSpace, ImageData, ImagePixels, TextureDescription, TextureRef, Wrap};
 
 /// Texture coordinate sets beyond this many are refused.
-const MOST_UV_SETS: usize = 64;
+pub(crate) const MOST_UV_SETS: usize = 16;
+
+/// Images decoded at a time, so that their files need not all be in memory.
+const DECODED_TOGETHER: usize = 16;
 
 impl Loader<'_> {
     /// The `textureInfo` at `key` of `json`, if present and usable.
@@ -142,46 +145,38 @@ impl Loader<'_> {
     /// Decodes the images in use, and takes back the references to those that cannot be decoded.
     pub(crate) fn decode_images(&mut self) -> Result<(), AssetError> {
         let sources = std::mem::take(&mut self.image_sources);
-        let mut files = Vec::with_capacity(sources.len());
-        for &index in &sources {
-            files.push(self.image_file(index)?);
-        }
         let limits = &self.options.limits;
-        let mut pixels = 0;
-        for (file, &index) in files.iter().zip(&sources) {
-            if let Some((w, h)) = file.as_ref().and_then(|bytes| image::dimensions(bytes)) {
-                pixels += u64::from(w) * u64::from(h);
-            }
-            let pointer = format!("/images/{index}");
-            Self::within(
-                pixels,
-                limits.image_pixels,
-                &pointer,
-                "all images so far, in pixels,",
-                "image_pixels",
-            )?;
-        }
-        self.totals.image_pixels = pixels;
         let registry = &self.options.registry;
-        let decoded: Vec<Option<Result<ImageData, String>>> = files
-            .par_iter()
-            .map(|f| f.as_ref().map(|bytes| image::decode(bytes, registry, limits)))
-            .collect();
-        drop(files);
-        let mut usable = vec![false; decoded.len()];
-        for (slot, result) in decoded.into_iter().enumerate() {
-            match result {
-                Some(Ok(image)) => {
-                    let name = std::mem::take(&mut self.scene.images[slot].name);
-                    self.scene.images[slot] = ImageData { name, ..image };
-                    usable[slot] = true;
+        let mut usable = vec![false; sources.len()];
+        for first in (0..sources.len()).step_by(DECODED_TOGETHER) {
+            let together = first..(first + DECODED_TOGETHER).min(sources.len());
+            let mut files = Vec::new();
+            for slot in together.clone() {
+                let pointer = format!("/images/{}", sources[slot]);
+                let file = self.image_file(sources[slot])?;
+                self.totals.image_bytes += file.as_ref().and_then(|b| image::decoded_bytes(b)).unwrap_or(0);
+                let needed = self.totals.image_bytes;
+                let what = "all images so far, in bytes once decoded,";
+                Self::within(needed, limits.image_bytes, &pointer, what, "image_bytes")?;
+                files.push(file);
+            }
+            let decode =
+                |file: &Option<super::Bytes>| file.as_ref().map(|b| image::decode(b, registry, limits));
+            let decoded: Vec<Option<Result<ImageData, String>>> = files.par_iter().map(decode).collect();
+            for (slot, result) in together.zip(decoded) {
+                match result {
+                    Some(Ok(image)) => {
+                        let name = std::mem::take(&mut self.scene.images[slot].name);
+                        self.scene.images[slot] = ImageData { name, ..image };
+                        usable[slot] = true;
+                    }
+                    Some(Err(message)) => {
+                        let pointer = format!("/images/{}", sources[slot]);
+                        let message = format!("the image cannot be decoded and is left out: {message}");
+                        self.warn(&pointer, message, None);
+                    }
+                    None => {}
                 }
-                Some(Err(message)) => {
-                    let pointer = format!("/images/{}", sources[slot]);
-                    let message = format!("the image cannot be decoded and is left out: {message}");
-                    self.warn(&pointer, message, None);
-                }
-                None => {}
             }
         }
         let textures = &self.scene.textures;

@@ -98,7 +98,7 @@ pub trait Extension: Send + Sync {
 
     /// Decodes an image file of a kind that core glTF lacks; `None` if `bytes` are not of that kind. Called for
     /// every image that is neither PNG nor JPEG, from several threads at once. The message of a failure becomes a
-    /// warning. `limits.image_pixels` is to be kept before anything is allocated.
+    /// warning. `limits.image_bytes` is to be kept before anything is allocated.
     fn decode_image(&self, bytes: &[u8], limits: &Limits) -> Option<Result<ImageData, String>> {
         let _ = (bytes, limits);
         None
