@@ -183,6 +183,18 @@ def decimate(item, triangles):
     return smooth_shade(item)
 
 
+def weld(item, distance):
+    """Merges vertices closer than a distance, drops faces without area and triangulates: what a boolean leaves behind."""
+    b = bmesh.new()
+    b.from_mesh(item.data)
+    bmesh.ops.remove_doubles(b, verts=b.verts, dist=distance)
+    bmesh.ops.dissolve_degenerate(b, edges=b.edges, dist=distance)
+    bmesh.ops.triangulate(b, faces=b.faces)
+    b.to_mesh(item.data)
+    b.free()
+    return item
+
+
 def join(name, items):
     """One object of several; the components stay apart."""
     with bpy.context.temp_override(active_object=items[0], object=items[0], selected_objects=items, selected_editable_objects=items):
