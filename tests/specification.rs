@@ -211,10 +211,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 fn assert_close(actual: f64, expected: f64, what: &str) {
-    assert!(
-        (actual - expected).abs() <= 2e-9 * expected.abs().max(1e-3),
-        "{what}: {actual} is not {expected}"
-    );
+    assert!((actual - expected).abs() <= 1e-8 * expected.abs(), "{what}: {actual} is not {expected}");
 }
 
 #[test]

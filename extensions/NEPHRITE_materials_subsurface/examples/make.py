@@ -189,9 +189,9 @@ EXAMPLES = {
         subsurface("jade", 0.2, absorptionCoefficient=[60, 18, 45], scatteringCoefficient=[900, 950, 900], ior=1.61, priority=1)],
         [(*WHOLE, 0), ("bead", (0.3, -0.2, 0), (0.9, 0.7, 0.7), 1)]),
     "clear": Asset("Clear glass: no coefficients", [
-        subsurface("glass", 0.0, ior=1.52)], [(*WHOLE, 0)]),
+        subsurface("glass", 0, ior=1.52)], [(*WHOLE, 0)]),
     "forward": Asset("Strongly forward scattering, diluted", [
-        subsurface("milky water", 0.0, absorptionCoefficient=[2.875, 5.75, 11.5], scatteringCoefficient=[13115.7, 15444.5, 17957.2],
+        subsurface("milky water", 0, absorptionCoefficient=[2.875, 5.75, 11.5], scatteringCoefficient=[13115.7, 15444.5, 17957.2],
                    scatterAnisotropy=0.9, ior=1.33, densityFactor=0.03)], [(*WHOLE, 0)]),
     "half-transmission": Asset("Half of the light goes to the opaque base", [
         subsurface("glazed clay", 0.3, base=[0.6, 0.25, 0.15, 1], extensions={"KHR_materials_transmission": {"transmissionFactor": 0.5}},
