@@ -79,7 +79,9 @@ impl BoundaryTables {
         let steps = (eta.max(1.0 / eta) / ETA_STEP).round().max(1.0 / ETA_STEP + 1.0);
         let eta = steps * ETA_STEP;
         let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
-        all.get_or_insert_default().entry(eta.to_bits()).or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
+        all.get_or_insert_default()
+            .entry(eta.to_bits())
+            .or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
     }
 
     /// Builds the tables for `eta` > 1, on the calling thread.

@@ -152,7 +152,9 @@ mod tests {
     use super::*;
 
     fn lobe() -> Lobe {
-        Lobe::new(Warp::new(0.05, Some(0.7)), |mu| 0.3 * (-mu * 6.0).exp() + 0.1 * (-((mu - 0.7) * 9.0).powi(2)).exp())
+        Lobe::new(Warp::new(0.05, Some(0.7)), |mu| {
+            0.3 * (-mu * 6.0).exp() + 0.1 * (-((mu - 0.7) * 9.0).powi(2)).exp()
+        })
     }
 
     #[test]

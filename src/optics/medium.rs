@@ -177,5 +177,4 @@ mod tests {
         assert_eq!(m.diffuse_mean_free_path(), Vec3::INFINITY);
         assert!(m.effective_albedo().is_finite());
     }
-
 }

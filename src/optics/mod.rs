@@ -28,31 +28,55 @@ pub struct BsdfSample {
     pub transmitted: bool,
 }
 
-pub mod albedo; pub mod medium; pub mod phase;
-pub use medium::Medium; pub use phase::HenyeyGreenstein;
+pub mod albedo;
+pub mod medium;
+pub mod phase;
+pub use medium::Medium;
+pub use phase::HenyeyGreenstein;
 /// stub
-pub enum Bsdf { /// b
- Boundary(DielectricBoundary), /// d
- Diffuse(Vec3) }
+pub enum Bsdf {
+    /// b
+    Boundary(DielectricBoundary),
+    /// d
+    Diffuse(Vec3),
+}
 impl Bsdf {
     /// s
-    pub fn is_delta(&self) -> bool { matches!(self, Self::Boundary(b) if b.is_delta()) }
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Boundary(b) if b.is_delta())
+    }
     /// s
-    pub fn diffuse(c: Vec3) -> Self { Self::Diffuse(c) }
+    pub fn diffuse(c: Vec3) -> Self {
+        Self::Diffuse(c)
+    }
     /// s
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        match self { Self::Diffuse(c) if wo.z > 0.0 && wi.z > 0.0 => *c * wi.z / std::f32::consts::PI, Self::Boundary(b) => b.eval(wo, wi), _ => Vec3::ZERO }
+        match self {
+            Self::Diffuse(c) if wo.z > 0.0 && wi.z > 0.0 => *c * wi.z / std::f32::consts::PI,
+            Self::Boundary(b) => b.eval(wo, wi),
+            _ => Vec3::ZERO,
+        }
     }
     /// s
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        match self { Self::Diffuse(_) if wo.z > 0.0 && wi.z > 0.0 => wi.z / std::f32::consts::PI, Self::Boundary(b) => b.pdf(wo, wi), _ => 0.0 }
+        match self {
+            Self::Diffuse(_) if wo.z > 0.0 && wi.z > 0.0 => wi.z / std::f32::consts::PI,
+            Self::Boundary(b) => b.pdf(wo, wi),
+            _ => 0.0,
+        }
     }
     /// s
     pub fn sample(&self, wo: Vec3, ul: f32, u: glam::Vec2) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(c) => {
                 let wi = crate::sampling::warp::cosine_hemisphere(u);
-                (wo.z > 0.0).then_some(BsdfSample { wi, weight: *c, pdf: wi.z / std::f32::consts::PI, delta: false, transmitted: false })
+                (wo.z > 0.0).then_some(BsdfSample {
+                    wi,
+                    weight: *c,
+                    pdf: wi.z / std::f32::consts::PI,
+                    delta: false,
+                    transmitted: false,
+                })
             }
             Self::Boundary(b) => b.sample(wo, ul, u),
         }

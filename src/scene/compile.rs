@@ -3,7 +3,7 @@
 use super::description::*;
 use super::object::Object;
 use super::surface::Surface;
-use super::texture::sample_texture;
+use super::texture;
 use crate::geometry::{Aabb, DistanceBound, GeometryError, Hit, MeshGeometry, SceneGeometry, Topology};
 use crate::light::{EmissionField, EmissiveRadiance, EmissiveTriangle, Lights};
 use crate::optics::Medium;
@@ -78,12 +78,20 @@ impl Scene {
             .iter()
             .map(|i| Mat3::from(i.transform.matrix3).inverse().transpose())
             .collect();
-        let mirrored =
-            description.instances.iter().map(|i| Mat3::from(i.transform.matrix3).determinant() < 0.0).collect();
+        let mirrored = description
+            .instances
+            .iter()
+            .map(|i| Mat3::from(i.transform.matrix3).determinant() < 0.0)
+            .collect();
         let mut scene = Self {
             has_see_through: false,
             objects: vec![Object::default(); description.instances.len()],
-            lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default(), (Vec3::ZERO, Vec3::ZERO)),
+            lights: Lights::build(
+                Vec::new(),
+                &[],
+                &EnvironmentDescription::default(),
+                (Vec3::ZERO, Vec3::ZERO),
+            ),
             default_material: MaterialDescription::default(),
             description: Arc::new(description),
             geometry,
@@ -125,7 +133,7 @@ impl Scene {
 
     /// A texture at texture coordinates, decoded.
     pub fn texel(&self, texture: &TextureRef, uv: Vec2) -> Vec4 {
-        sample_texture(&self.description, texture, uv)
+        texture::sample(&self.description, texture, uv)
     }
 
     /// Radiance that a surface emits to its front.
@@ -197,7 +205,8 @@ impl Scene {
                 continue;
             }
             let mesh = &self.description.meshes[instance.mesh];
-            let materials = mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
+            let materials =
+                mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
             let priority = materials.map(|m| m.priority).max().unwrap_or(0);
             let volume = volume(mesh) * f64::from(Mat3::from(instance.transform.matrix3).determinant().abs());
             order.push((priority, -volume, i as u32));
@@ -212,10 +221,8 @@ impl Scene {
             let isolated = closed && !self.anything_else_within(instance, &bounds);
             let inside = |p: Vec3| bounds.min.cmple(p).all() && bounds.max.cmpge(p).all();
             let lit_inside = emitters.iter().any(|e| {
-                let (min, max) = e
-                    .vertices
-                    .iter()
-                    .fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
+                let (min, max) =
+                    e.vertices.iter().fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
                 min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
             }) || self
                 .description
@@ -320,7 +327,7 @@ impl EmissionField for TexturedEmission {
             }
             _ => Vec2::ZERO,
         };
-        material.emission * sample_texture(scene, texture, uv).truncate()
+        material.emission * texture::sample(scene, texture, uv).truncate()
     }
 }
 

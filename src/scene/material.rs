@@ -84,6 +84,13 @@ impl Scene {
 impl Shading<'_> {
     /// The scattering function; `eta` is the index inside over outside.
     pub fn bsdf(&self, eta: f32, boundary: bool, microfacet: Microfacet) -> Bsdf {
-        if boundary { Bsdf::Boundary(crate::optics::DielectricBoundary::new(eta, self.alpha, microfacet).with_transmission_tint(self.base_color)) } else { Bsdf::Diffuse(self.base_color) }
+        if boundary {
+            Bsdf::Boundary(
+                crate::optics::DielectricBoundary::new(eta, self.alpha, microfacet)
+                    .with_transmission_tint(self.base_color),
+            )
+        } else {
+            Bsdf::Diffuse(self.base_color)
+        }
     }
 }

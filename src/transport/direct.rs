@@ -204,8 +204,7 @@ impl Connector for InteriorLight<'_, '_> {
         let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
         let f = phase.eval_directions(incoming, light.direction);
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
-        let contribution =
-            throughput * light.radiance * (f * weight / light.pdf);
+        let contribution = throughput * light.radiance * (f * weight / light.pdf);
         if contribution.max_element() > 0.0 {
             let through =
                 self.tracer.transmittance(point, light.direction, light.distance, self.stack, sampler);
