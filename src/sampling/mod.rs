@@ -6,6 +6,7 @@
 pub mod alias;
 pub mod arctangent;
 pub mod distribution;
+pub mod fast_math;
 pub mod frame;
 pub mod mis;
 pub mod rng;

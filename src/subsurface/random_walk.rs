@@ -24,7 +24,7 @@
 use super::{Arrival, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::HenyeyGreenstein;
-use crate::sampling::{Sampler, SmallRng};
+use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::Scene;
 use glam::{Vec2, Vec3};
 
@@ -91,7 +91,7 @@ impl Coefficients {
     pub fn sample_distance(&self, throughput: Vec3, rng: &mut SmallRng) -> f32 {
         let sigma_t =
             if self.grey { self.sigma_t.x } else { pick_channel(self.sigma_t, throughput, rng.f32()) };
-        if sigma_t > 0.0 { -rng.open01().ln() / sigma_t } else { f32::INFINITY }
+        if sigma_t > 0.0 { -fast_math::ln(rng.open01()) / sigma_t } else { f32::INFINITY }
     }
 
     /// The weight of a collision at `t`.
@@ -120,7 +120,7 @@ impl Coefficients {
     #[inline]
     fn relative_transmittance(&self, throughput: Vec3, t: f32) -> Vec3 {
         let carried = Vec3::select(throughput.cmpgt(Vec3::ZERO), self.sigma_t, Vec3::INFINITY);
-        ((Vec3::splat(carried.min_element()) - self.sigma_t).min(Vec3::ZERO) * t).exp()
+        fast_math::exp_negative((Vec3::splat(carried.min_element()) - self.sigma_t).min(Vec3::ZERO) * t)
     }
 }
 
