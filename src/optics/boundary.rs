@@ -66,9 +66,8 @@ impl DielectricBoundary {
     /// first call for an index builds them (see [`BoundaryTables::get`]).
     #[inline]
     pub fn new(eta: f32, alpha: f32, microfacet: Microfacet) -> Self {
-        let needs_tables = microfacet == Microfacet::Multiple
-            && alpha >= MIN_ROUGH_ALPHA
-            && (eta - 1.0).abs() > MATCHED_INDEX;
+        let needs_tables =
+            microfacet == Microfacet::Multiple && alpha >= MIN_ROUGH_ALPHA && (eta - 1.0).abs() > MATCHED_INDEX;
         Self::build(eta, alpha, needs_tables.then(|| BoundaryTables::get(eta)))
     }
 
@@ -145,9 +144,13 @@ impl DielectricBoundary {
             return None;
         }
         match self.kind {
-            Kind::Matched => {
-                Some(BsdfSample { wi: -wo, weight: self.tint, pdf: 1.0, delta: true, transmitted: true })
-            }
+            Kind::Matched => Some(BsdfSample {
+                wi: -wo,
+                weight: self.tint,
+                pdf: 1.0,
+                delta: true,
+                transmitted: true,
+            }),
             Kind::Smooth => self.sample_smooth(wo, u_lobe),
             Kind::Single | Kind::Multiple { .. } => self.sample_rough(wo, u_lobe, u),
         }
@@ -174,13 +177,7 @@ impl DielectricBoundary {
         let Interface { reflectance, g } = fresnel::interface(side.wo.z, side.eta);
         if u_lobe < reflectance {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample {
-                wi,
-                weight: Vec3::ONE,
-                pdf: reflectance,
-                delta: true,
-                transmitted: false,
-            });
+            return Some(BsdfSample { wi, weight: Vec3::ONE, pdf: reflectance, delta: true, transmitted: false });
         }
         let mut wi = fresnel::refract_with(side.wo, Vec3::Z, side.wo.z, g, side.eta);
         wi.z *= side.sign;
@@ -288,14 +285,14 @@ impl DielectricBoundary {
         let sum = (wo + wi) + (eta - 1.0) * wi;
         let h = if eta > 1.0 { -sum } else { sum }.normalize_or_zero();
         let c = wo.dot(h);
-        if h.z <= 0.0 || c <= 0.0 || wi.dot(h) >= 0.0 {
+        let g = -eta * wi.dot(h);
+        if h.z <= 0.0 || c <= 0.0 || g <= 0.0 {
             return 0.0;
         }
-        let Interface { reflectance, g } = fresnel::interface(c, eta);
         let ratio = (c + g) / ((1.0 - eta) * (1.0 + eta));
         let jacobian = eta * g * ratio * ratio;
         let visible = 2.0 * ggx::masking_over_two_cos(wo, self.alpha) * ggx::distribution(h, self.alpha) * c;
-        (1.0 - reflectance) * visible * jacobian
+        (1.0 - fresnel::reflectance(c, g, eta)) * visible * jacobian
     }
 }
 
@@ -312,9 +309,9 @@ fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 
     if lost <= 0.0 {
         return 0.0;
     }
-    let transmitted = compensation.transmitted(here);
+    let transmitted = compensation.transmitted[here];
     let (share, there) = if i < 0.0 { (transmitted, 1 - here) } else { (1.0 - transmitted, here) };
-    let total = compensation.total(there);
+    let total = compensation.total[there];
     if total <= 0.0 {
         return 0.0;
     }
@@ -323,7 +320,7 @@ fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 
 
 /// A direction of [`lost_energy`], given that the light was lost; z < 0 on the other side.
 fn sample_lost(compensation: &Compensation, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
-    let transmitted = compensation.transmitted(here);
+    let transmitted = compensation.transmitted[here];
     let (there, sign, u) = if u < transmitted {
         (1 - here, -1.0, u / transmitted)
     } else {
