@@ -66,8 +66,9 @@ impl DielectricBoundary {
     /// first call for an index builds them (see [`BoundaryTables::get`]).
     #[inline]
     pub fn new(eta: f32, alpha: f32, microfacet: Microfacet) -> Self {
-        let needs_tables =
-            microfacet == Microfacet::Multiple && alpha >= MIN_ROUGH_ALPHA && (eta - 1.0).abs() > MATCHED_INDEX;
+        let needs_tables = microfacet == Microfacet::Multiple
+            && alpha >= MIN_ROUGH_ALPHA
+            && (eta - 1.0).abs() > MATCHED_INDEX;
         Self::build(eta, alpha, needs_tables.then(|| BoundaryTables::get(eta)))
     }
 
@@ -144,13 +145,9 @@ impl DielectricBoundary {
             return None;
         }
         match self.kind {
-            Kind::Matched => Some(BsdfSample {
-                wi: -wo,
-                weight: self.tint,
-                pdf: 1.0,
-                delta: true,
-                transmitted: true,
-            }),
+            Kind::Matched => {
+                Some(BsdfSample { wi: -wo, weight: self.tint, pdf: 1.0, delta: true, transmitted: true })
+            }
             Kind::Smooth => self.sample_smooth(wo, u_lobe),
             Kind::Single | Kind::Multiple { .. } => self.sample_rough(wo, u_lobe, u),
         }
@@ -177,7 +174,13 @@ impl DielectricBoundary {
         let Interface { reflectance, g } = fresnel::interface(side.wo.z, side.eta);
         if u_lobe < reflectance {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-            return Some(BsdfSample { wi, weight: Vec3::ONE, pdf: reflectance, delta: true, transmitted: false });
+            return Some(BsdfSample {
+                wi,
+                weight: Vec3::ONE,
+                pdf: reflectance,
+                delta: true,
+                transmitted: false,
+            });
         }
         let mut wi = fresnel::refract_with(side.wo, Vec3::Z, side.wo.z, g, side.eta);
         wi.z *= side.sign;
@@ -229,7 +232,7 @@ impl DielectricBoundary {
     }
 
     /// Share of single-scattered light towards `wi` that is not masked on its way out, given that it was visible from
-    /// `wo`: G/G1(wo), eqs. (2) and (4).
+    /// `wo`: G/G1(wo), eqs. (2) and (5).
     #[inline]
     fn passed(&self, wo: Vec3, wi: Vec3) -> f32 {
         let out = ggx::masking(wi, self.alpha);

@@ -5,7 +5,7 @@
 //! | --- | --- | --- |
 //! | side 0, 1 | a, b | the rarer and the denser side |
 //! | `eta` | η ≥ 1 | index of the denser side over that of the rarer side |
-//! | `correlation` | κ(η) | share of the masking of refracted light that straight-on passage undoes, eq. (4) |
+//! | `correlation` | κ(η) | share of the masking of refracted light that straight-on passage undoes, eq. (5) |
 //! | `exchange` | X | transmitted part of the hemispherical loss of side 0; η² times that of side 1, eq. (8) |
 
 use super::fresnel;
@@ -57,7 +57,7 @@ const CORRELATION_DECAY: f32 = 0.3;
 /// limit: F_dr^(α/(α + 0.12)), fitted to walks on the microsurface (`docs/boundary.md` §5).
 const SECOND_BOUNCE_ALPHA: f32 = 0.12;
 
-/// κ(η) of eq. (4), for η on either side of 1.
+/// κ(η) of eq. (5), for η on either side of 1.
 #[inline]
 pub(super) fn correlation(eta: f32) -> f32 {
     (-(eta.max(1.0 / eta) - 1.0) / CORRELATION_DECAY).exp()
@@ -106,7 +106,9 @@ impl BoundaryTables {
         let steps = (eta.max(1.0 / eta) / ETA_STEP).round().max(1.0 / ETA_STEP + 1.0);
         let eta = steps * ETA_STEP;
         let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
-        all.get_or_insert_default().entry(eta.to_bits()).or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
+        all.get_or_insert_default()
+            .entry(eta.to_bits())
+            .or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
     }
 
     /// Builds the tables for `eta` > 1. The same on every machine, however many threads it has.

@@ -7,7 +7,7 @@ const SINGLE: Microfacet = Microfacet::Single;
 const MULTIPLE: Microfacet = Microfacet::Multiple;
 
 /// Cosines of `wo`, both sides, total internal reflection included.
-const COSINES: [f32; 8] = [-1.0, -0.8, -0.4, -0.1, 0.1, 0.4, 0.8, 1.0];
+const COSINES: [f32; 6] = [-0.95, -0.5, -0.1, 0.1, 0.5, 1.0];
 
 /// Share of energy that `eval` sends back and through, with the radiance scaling undone.
 fn albedo(b: &DielectricBoundary, wo: Vec3, steps: usize) -> f32 {
@@ -19,11 +19,11 @@ fn albedo(b: &DielectricBoundary, wo: Vec3, steps: usize) -> f32 {
 #[test]
 fn evaluated_energy_is_one_from_both_sides() {
     let mut worst = 0.0f32;
-    for eta in [0.5f32, 0.75, 1.2, 1.5, 2.4] {
-        for alpha in [0.15f32, 0.35, 0.7, 1.0] {
+    for eta in [0.5f32, 0.75, 1.5, 2.4] {
+        for alpha in [0.35f32, 0.65, 1.0] {
             let b = DielectricBoundary::new(eta, alpha, MULTIPLE);
             for cos in COSINES {
-                let e = albedo(&b, direction(cos, 0.0), 300);
+                let e = albedo(&b, direction(cos, 0.0), 600);
                 worst = worst.max((e - 1.0).abs());
                 assert!((e - 1.0).abs() < 1e-3, "eta {eta}, alpha {alpha}, cos {cos}: {e}");
             }
@@ -62,7 +62,10 @@ fn tables_hold_what_sampling_loses() {
                 let sd = ((squares / f64::from(n) - mean * mean) / f64::from(n)).max(0.0).sqrt();
                 let table = f64::from(tables.at(alpha).loss(usize::from(cos < 0.0), cos.abs()));
                 worst = worst.max((table - mean).abs() - 4.0 * sd);
-                assert!((table - mean).abs() < 4.0 * sd + 4e-4, "{eta} {alpha} {cos}: {table} for {mean} ± {sd}");
+                assert!(
+                    (table - mean).abs() < 4.0 * sd + 4e-4,
+                    "{eta} {alpha} {cos}: {table} for {mean} ± {sd}"
+                );
             }
         }
     }
@@ -101,14 +104,17 @@ fn tables_are_accurate_between_their_nodes() {
 #[test]
 fn single_scattering_albedo_matches_integration_over_directions() {
     let q = Quadrature::<28, 28>::new();
-    for eta in [0.6f32, 1.33, 1.5, 2.0] {
-        for alpha in [0.25f32, 0.6, 1.0] {
+    for eta in [0.6f32, 1.33, 2.0] {
+        for alpha in [0.35f32, 1.0] {
             let b = DielectricBoundary::new(eta, alpha, SINGLE);
             for cos in COSINES {
                 let lost = q.lost(cos.abs(), alpha, if cos > 0.0 { eta } else { 1.0 / eta }, 0.0);
-                let e = albedo(&b, direction(cos, 0.0), 300);
+                let e = albedo(&b, direction(cos, 0.0), 600);
                 let expected = 1.0 - lost.reflected - lost.refracted;
-                assert!((e - expected).abs() < 1e-3, "eta {eta}, alpha {alpha}, cos {cos}: {e} for {expected}");
+                assert!(
+                    (e - expected).abs() < 1e-3,
+                    "eta {eta}, alpha {alpha}, cos {cos}: {e} for {expected}"
+                );
             }
         }
     }
@@ -123,7 +129,8 @@ fn samples_follow_their_density() {
             for cos in [-0.9f32, -0.5, -0.15, 0.1, 0.5, 0.95] {
                 let wo = direction(cos, 0.4);
                 seed += 1;
-                let z = chi_square(seed, 60_000, |wi| b.pdf(wo, wi), |rng| b.sample(wo, rng.next(), rng.vec2()));
+                let z =
+                    chi_square(seed, 60_000, |wi| b.pdf(wo, wi), |rng| b.sample(wo, rng.next(), rng.vec2()));
                 worst = worst.max(z);
                 assert!(z < 4.0, "eta {eta}, alpha {alpha}, cos {cos}: z = {z}");
             }
@@ -150,7 +157,10 @@ fn weights_are_value_over_density() {
                     let (f, pdf) = b.eval_pdf(wo, s.wi);
                     assert_eq!(pdf, s.pdf);
                     let ratio = f / pdf / s.weight;
-                    assert!((ratio - Vec3::ONE).abs().max_element() < 1e-3, "{eta} {alpha} {microfacet:?}: {ratio}");
+                    assert!(
+                        (ratio - Vec3::ONE).abs().max_element() < 1e-3,
+                        "{eta} {alpha} {microfacet:?}: {ratio}"
+                    );
                     assert_eq!(s.transmitted, s.wi.z * wo.z < 0.0);
                     assert!((s.wi.length() - 1.0).abs() < 1e-5);
                     let crossed = if s.transmitted { b.crossing_weight(wo) } else { Vec3::ONE };
@@ -180,7 +190,10 @@ fn reciprocal_up_to_the_squared_index() {
                     let back = b.eval(c, a).x / a.z.abs() / (index(c) * index(c));
                     if there.max(back) > 1e-6 {
                         compared += 1;
-                        assert!((there / back - 1.0).abs() < 2e-3, "{eta} {alpha} {microfacet:?} {a} {c}: {there} {back}");
+                        assert!(
+                            (there / back - 1.0).abs() < 2e-3,
+                            "{eta} {alpha} {microfacet:?} {a} {c}: {there} {back}"
+                        );
                     }
                 }
                 assert!(compared > 50);
@@ -211,7 +224,8 @@ fn smooth_boundary_is_fresnel_and_nearly_smooth_ones_tend_to_it() {
                 assert!((sines - 1.0).abs() < 1e-5 && s.wi.x * wo.x < 0.0, "Snell: {sines}");
             }
             let n = 20_000;
-            let reflected = (0..n).filter(|_| !nearly.sample(wo, rng.next(), rng.vec2()).unwrap().transmitted).count();
+            let reflected =
+                (0..n).filter(|_| !nearly.sample(wo, rng.next(), rng.vec2()).unwrap().transmitted).count();
             let sd = (f * (1.0 - f) / n as f32).sqrt();
             assert!((reflected as f32 / n as f32 - f).abs() < 4.0 * sd + 5e-4, "{cos}: {reflected} for {f}");
         }
@@ -225,7 +239,14 @@ fn matched_indices_are_invisible_whatever_the_roughness() {
             let b = DielectricBoundary::new(1.0, alpha, microfacet);
             let wo = direction(0.2, 0.7);
             let s = b.sample(wo, 0.99, Vec2::splat(0.3)).unwrap();
-            assert!(b.is_delta() && s.delta && s.transmitted && s.wi == -wo && s.weight == Vec3::ONE && s.pdf == 1.0);
+            assert!(
+                b.is_delta()
+                    && s.delta
+                    && s.transmitted
+                    && s.wi == -wo
+                    && s.weight == Vec3::ONE
+                    && s.pdf == 1.0
+            );
             assert_eq!(b.eval(wo, -wo), Vec3::ZERO);
         }
     }
@@ -252,7 +273,7 @@ fn nearly_matched_indices_are_nearly_invisible() {
     }
 }
 
-/// How the multiply scattered light divides, against walks on the microsurface: the totals of `docs/boundary.md` §5.
+/// How the multiply scattered light divides, against walks on the microsurface: `docs/boundary.md` §7.
 #[test]
 fn division_is_close_to_a_walk_on_the_microsurface() {
     let mut rng = Rng::new(31);
@@ -319,6 +340,44 @@ fn timings() {
         }
         let new = start.elapsed();
         let ns = |d: std::time::Duration| d.as_nanos() / n as u128;
-        println!("{microfacet:?}: sample {} ns, eval {} ns, new {} ns ({sum})", ns(sample), ns(eval), ns(new));
+        println!(
+            "{microfacet:?}: sample {} ns, eval {} ns, new {} ns ({sum})",
+            ns(sample),
+            ns(eval),
+            ns(new)
+        );
+    }
+}
+
+/// Grazing directions, extreme indices, the ends of the unit interval: nothing but finite numbers.
+#[test]
+fn extremes_give_finite_numbers() {
+    let mut rng = Rng::new(77);
+    let ends = [0.0f32, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0];
+    for eta in [0.05f32, 0.99998, 1.00002, 1.3, 30.0] {
+        for alpha in [MIN_ROUGH_ALPHA, 0.04, 1.0] {
+            for microfacet in [SINGLE, MULTIPLE] {
+                let b = DielectricBoundary::new(eta, alpha, microfacet);
+                for k in 0..2000 {
+                    let z = [1e-12f32, 1e-6, 1e-3, 0.5, 1.0][k % 5] * if k % 2 == 0 { 1.0 } else { -1.0 };
+                    let wo = direction(z, 6.0 * rng.next());
+                    let mut u =
+                        || if rng.next() < 0.3 { ends[(rng.next() * 4.0) as usize] } else { rng.next() };
+                    let (u_lobe, u) = (u(), Vec2::new(u(), u()));
+                    if let Some(s) = b.sample(wo, u_lobe, u) {
+                        assert!(s.wi.is_finite() && s.weight.is_finite() && s.pdf.is_finite() && s.pdf > 0.0);
+                        assert!((s.wi.length() - 1.0).abs() < 1e-4 && s.wi.z != 0.0, "{}", s.wi);
+                    }
+                    let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
+                    for wi in [wi, -wo, wo, Vec3::new(-wo.x, -wo.y, wo.z), Vec3::X] {
+                        let (f, pdf) = b.eval_pdf(wo, wi);
+                        assert!(
+                            f.is_finite() && pdf.is_finite() && pdf >= 0.0,
+                            "{eta} {alpha} {wo} {wi}: {f} {pdf}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }

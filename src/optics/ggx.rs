@@ -68,7 +68,12 @@ mod tests {
                     let cos = 1.0 / (1.0 + tan * tan).sqrt();
                     let h = Vec3::new((tan * cos) as f32, 0.0, cos as f32);
                     let dtheta = alpha / (1.0 - t).powi(2) * cos * cos / f64::from(n);
-                    f64::from(distribution(h, alpha as f32)) * cos * tan * cos * dtheta * std::f64::consts::TAU
+                    f64::from(distribution(h, alpha as f32))
+                        * cos
+                        * tan
+                        * cos
+                        * dtheta
+                        * std::f64::consts::TAU
                 })
                 .sum();
             assert!((sum - 1.0).abs() < 1e-4, "alpha {alpha}: {sum}");
@@ -84,8 +89,10 @@ mod tests {
             for i in 0..20 {
                 let u = Vec2::new(0.05 + 0.043 * i as f32, 0.93 - 0.041 * i as f32);
                 let d = 2e-3;
-                let du = sample_visible(w, alpha, u + Vec2::new(d, 0.0)) - sample_visible(w, alpha, u - Vec2::new(d, 0.0));
-                let dv = sample_visible(w, alpha, u + Vec2::new(0.0, d)) - sample_visible(w, alpha, u - Vec2::new(0.0, d));
+                let du = sample_visible(w, alpha, u + Vec2::new(d, 0.0))
+                    - sample_visible(w, alpha, u - Vec2::new(d, 0.0));
+                let dv = sample_visible(w, alpha, u + Vec2::new(0.0, d))
+                    - sample_visible(w, alpha, u - Vec2::new(0.0, d));
                 let area = du.cross(dv).length() / (4.0 * d * d);
                 let product = area * visible_pdf(w, sample_visible(w, alpha, u), alpha);
                 assert!((product - 1.0).abs() < 0.02, "theta {theta}, alpha {alpha}, u {u}: {product}");

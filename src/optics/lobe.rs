@@ -49,7 +49,12 @@ impl Warp {
             grazing_scale,
             critical_scale: alpha,
             critical,
-            shares: [grazing_share * (1.0 + grazing_scale), UNIFORM_SHARE, critical_share / range, normal_share],
+            shares: [
+                grazing_share * (1.0 + grazing_scale),
+                UNIFORM_SHARE,
+                critical_share / range,
+                normal_share,
+            ],
             critical_start: start,
         }
     }
@@ -177,7 +182,9 @@ mod tests {
     use super::*;
 
     fn lobe() -> Lobe {
-        Lobe::new(Warp::new(0.05, 0.7), |mu| 0.3 * (-mu * 6.0).exp() + 0.1 * (-((mu - 0.7) * 9.0).powi(2)).exp())
+        Lobe::new(Warp::new(0.05, 0.7), |mu| {
+            0.3 * (-mu * 6.0).exp() + 0.1 * (-((mu - 0.7) * 9.0).powi(2)).exp()
+        })
     }
 
     #[test]

@@ -58,7 +58,11 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
             ((0.5 * (x + 1.0)) as f32, (0.5 * w) as f32)
         };
         let azimuth: [(f32, f32); A] = std::array::from_fn(|i| half(A, i));
-        Self { polar: std::array::from_fn(|i| half(P, i)), t: azimuth.map(|x| x.0), weight: azimuth.map(|x| x.1) }
+        Self {
+            polar: std::array::from_fn(|i| half(P, i)),
+            t: azimuth.map(|x| x.0),
+            weight: azimuth.map(|x| x.1),
+        }
     }
 
     /// What is lost of the light that arrives at cosine `mu` from the side of relative index `eta` (beyond over this

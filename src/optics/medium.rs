@@ -126,7 +126,9 @@ impl Medium {
     /// Light that the medium returns meets the boundary from inside again and again (Saunderson 1942). The medium is
     /// taken to return R(µ, µ′) = ρ k(µ) k(µ′) with k ∝ 1/(1 + 2sµ) (Hapke 1981), ρ the multi-scatter albedo and s the
     /// similarity parameter of [`albedo`]; then, with F the reflectance from inside and T = 1 − F,
-    /// n² ρ (∫2µ k T dµ)² / (1 − ρ ∫2µ k² F dµ). Against adding–doubling for n = 1–1.5 it is within 0.01.
+    /// n² ρ (∫2µ k T dµ)² / (1 − ρ ∫2µ k² F dµ). Against adding–doubling for n = 1–1.5 it is within 0.01
+    /// where scattering is isotropic, moderately forward or dense, and within 0.035 for g = −0.5 and for dark media of
+    /// g = 0.9, whose few scattering events keep their direction.
     pub fn effective_albedo(&self) -> Vec3 {
         let (albedo, multiple) = (self.albedo(), self.multiple_albedo());
         Vec3::from_array(std::array::from_fn(|i| effective_albedo(albedo[i], multiple[i], self.g, self.ior)))
@@ -255,7 +257,8 @@ mod tests {
             let m = Medium::new(Vec3::splat(1.0 - albedo), Vec3::splat(albedo), g, n, 0);
             let got = m.effective_albedo().x;
             worst = worst.max((got - expected).abs());
-            println!("EFF {albedo} {g} {n}: {got} for {expected} {}", got - expected);
+            let tolerance = if g < 0.0 || albedo < 0.95 && g > 0.5 { 0.035 } else { 0.01 };
+            assert!((got - expected).abs() < tolerance, "{albedo} {g} {n}: {got} for {expected}");
         }
         assert!(worst > 1e-3, "an approximation this good is suspect: {worst}");
     }

@@ -166,7 +166,14 @@ impl Surface {
     }
 
     /// Both directions above the surface; `below` where `wi` is on the other side.
-    fn above_eval_pdf(&self, o: Vec3, i: Vec3, below: bool, at_o: Directional, choice: &Choice) -> (Vec3, f32) {
+    fn above_eval_pdf(
+        &self,
+        o: Vec3,
+        i: Vec3,
+        below: bool,
+        at_o: Directional,
+        choice: &Choice,
+    ) -> (Vec3, f32) {
         let dielectric = 1.0 - self.metallic;
         let h = (o + i).normalize_or(Vec3::Z);
         let w = schlick_weight(o.dot(h));
@@ -269,7 +276,13 @@ impl Surface {
         } else {
             self.metallic * (self.base + (Vec3::ONE - self.base) * w) + dielectric * fresnel
         };
-        BsdfSample { wi: placed(i, wo, below), weight: f / chosen, pdf: chosen, delta: true, transmitted: below }
+        BsdfSample {
+            wi: placed(i, wo, below),
+            weight: f / chosen,
+            pdf: chosen,
+            delta: true,
+            transmitted: below,
+        }
     }
 
     /// max over channels of E = f0 (1 − L − E_w) + f90 E_w + F_ms L.
@@ -291,7 +304,8 @@ impl Surface {
         let through = dielectric * base * (1.0 - self.coat_albedo(at_o)).max(0.0);
         debug_assert!(o.z >= 0.0, "o = {o}");
         let least = |x: f32, exists: bool| if exists { x.max(LEAST_CHOICE) } else { 0.0 };
-        let reflection = least(self.metallic * metal + dielectric * coat, self.metallic > 0.0 || self.f90 > 0.0);
+        let reflection =
+            least(self.metallic * metal + dielectric * coat, self.metallic > 0.0 || self.f90 > 0.0);
         let has_base = dielectric > 0.0 && base > 0.0;
         let diffuse = least(through * (1.0 - self.transmission), has_base && self.transmission < 1.0);
         let transmission = least(through * self.transmission, has_base && self.transmission > 0.0);

@@ -97,7 +97,10 @@ mod tests {
     fn inverse_matches_high_precision_values() {
         for (g, xi, cos) in HG_SAMPLE_ORACLE {
             let c = f64::from(HenyeyGreenstein { g: g as f32 }.sample_cos(xi as f32));
-            assert!((c - cos).abs() < 3e-6 * (1.0 + 1.0 / (1.0 - f64::abs(g))), "g {g}, xi {xi}: {c} for {cos}");
+            assert!(
+                (c - cos).abs() < 3e-6 * (1.0 + 1.0 / (1.0 - f64::abs(g))),
+                "g {g}, xi {xi}: {c} for {cos}"
+            );
         }
     }
 

@@ -46,7 +46,8 @@ pub(super) struct Directional {
 
 impl Reflection {
     /// Without microfacets.
-    pub(super) const SMOOTH: Self = Self { between: None, lost_average: 0.0, schlick_average: SCHLICK_AVERAGE };
+    pub(super) const SMOOTH: Self =
+        Self { between: None, lost_average: 0.0, schlick_average: SCHLICK_AVERAGE };
 
     /// At roughness `alpha`; smooth below [`MIN_ROUGH_ALPHA`]. The first call builds the tables.
     pub(super) fn at(alpha: f32) -> Self {
@@ -81,7 +82,11 @@ impl Reflection {
         let Some((low, high, t)) = self.between else { return u.sqrt() };
         let (a, b) = ((1.0 - t) * low.lobe.total(), t * high.lobe.total());
         let x = u * (a + b);
-        if x < a { low.lobe.sample(x / a) } else { high.lobe.sample(((x - a) / b.max(f32::MIN_POSITIVE)).min(1.0)) }
+        if x < a {
+            low.lobe.sample(x / a)
+        } else {
+            high.lobe.sample(((x - a) / b.max(f32::MIN_POSITIVE)).min(1.0))
+        }
     }
 }
 
