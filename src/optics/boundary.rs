@@ -232,7 +232,7 @@ impl DielectricBoundary {
     }
 
     /// Share of single-scattered light towards `wi` that is not masked on its way out, given that it was visible from
-    /// `wo`: G/G1(wo), eqs. (2) and (4).
+    /// `wo`: G/G1(wo), eqs. (2) and (5).
     #[inline]
     fn passed(&self, wo: Vec3, wi: Vec3) -> f32 {
         let out = ggx::masking(wi, self.alpha);
@@ -288,14 +288,14 @@ impl DielectricBoundary {
         let sum = (wo + wi) + (eta - 1.0) * wi;
         let h = if eta > 1.0 { -sum } else { sum }.normalize_or_zero();
         let c = wo.dot(h);
-        if h.z <= 0.0 || c <= 0.0 || wi.dot(h) >= 0.0 {
+        let g = -eta * wi.dot(h);
+        if h.z <= 0.0 || c <= 0.0 || g <= 0.0 {
             return 0.0;
         }
-        let Interface { reflectance, g } = fresnel::interface(c, eta);
         let ratio = (c + g) / ((1.0 - eta) * (1.0 + eta));
         let jacobian = eta * g * ratio * ratio;
         let visible = 2.0 * ggx::masking_over_two_cos(wo, self.alpha) * ggx::distribution(h, self.alpha) * c;
-        (1.0 - reflectance) * visible * jacobian
+        (1.0 - fresnel::reflectance(c, g, eta)) * visible * jacobian
     }
 }
 
@@ -312,9 +312,9 @@ fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 
     if lost <= 0.0 {
         return 0.0;
     }
-    let transmitted = compensation.transmitted(here);
+    let transmitted = compensation.transmitted[here];
     let (share, there) = if i < 0.0 { (transmitted, 1 - here) } else { (1.0 - transmitted, here) };
-    let total = compensation.total(there);
+    let total = compensation.total[there];
     if total <= 0.0 {
         return 0.0;
     }
@@ -323,7 +323,7 @@ fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 
 
 /// A direction of [`lost_energy`], given that the light was lost; z < 0 on the other side.
 fn sample_lost(compensation: &Compensation, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
-    let transmitted = compensation.transmitted(here);
+    let transmitted = compensation.transmitted[here];
     let (there, sign, u) = if u < transmitted {
         (1 - here, -1.0, u / transmitted)
     } else {

@@ -5,7 +5,7 @@
 //! | --- | --- | --- |
 //! | side 0, 1 | a, b | the rarer and the denser side |
 //! | `eta` | η ≥ 1 | index of the denser side over that of the rarer side |
-//! | `correlation` | κ(η) | share of the masking of refracted light that straight-on passage undoes, eq. (4) |
+//! | `correlation` | κ(η) | share of the masking of refracted light that straight-on passage undoes, eq. (5) |
 //! | `exchange` | X | transmitted part of the hemispherical loss of side 0; η² times that of side 1, eq. (8) |
 
 use super::fresnel;
@@ -18,20 +18,46 @@ use std::sync::{Mutex, PoisonError};
 /// Least roughness of the tables, and of a boundary that is not taken for smooth.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
-/// Slices over α, geometric from [`MIN_ROUGH_ALPHA`] to 1.
-const SLICES: usize = 80;
+/// Slices over α from [`MIN_ROUGH_ALPHA`] to 1.
+const SLICES: usize = 96;
+
+/// Share of the slices spaced geometrically; the rest are spaced evenly.
+const GEOMETRIC_SHARE: f32 = 0.75;
+
+/// Position of roughness `alpha` among the slices, 0 to 1, increasing.
+#[inline]
+fn position(alpha: f32) -> f32 {
+    let geometric = 1.0 - alpha.ln() / MIN_ROUGH_ALPHA.ln();
+    let even = (alpha - MIN_ROUGH_ALPHA) / (1.0 - MIN_ROUGH_ALPHA);
+    GEOMETRIC_SHARE * geometric + (1.0 - GEOMETRIC_SHARE) * even
+}
+
+/// Roughness of slice `j`.
+fn slice_alpha(j: usize) -> f32 {
+    let target = j as f32 / (SLICES - 1) as f32;
+    let (mut low, mut high) = (MIN_ROUGH_ALPHA, 1.0f32);
+    for _ in 0..40 {
+        let mid = 0.5 * (low + high);
+        if position(mid) < target {
+            low = mid;
+        } else {
+            high = mid;
+        }
+    }
+    if j + 1 == SLICES { 1.0 } else { low }
+}
 
 /// Tables are built for η rounded to a multiple of this, so that nearly equal indices share one.
 const ETA_STEP: f32 = 1.0 / 16_384.0;
 
-/// Decay of the correlation κ = exp(−(η − 1)/0.2), fitted to walks on the microsurface (`docs/boundary.md` §4).
-const CORRELATION_DECAY: f32 = 0.2;
+/// Decay of the correlation κ = exp(−(η − 1)/0.3), fitted to walks on the microsurface (`docs/boundary.md` §4).
+const CORRELATION_DECAY: f32 = 0.3;
 
 /// How the chance that reflected light, once masked, still leaves as reflection changes from its smooth to its rough
 /// limit: F_dr^(α/(α + 0.12)), fitted to walks on the microsurface (`docs/boundary.md` §5).
 const SECOND_BOUNCE_ALPHA: f32 = 0.12;
 
-/// κ(η) of eq. (4), for η on either side of 1.
+/// κ(η) of eq. (5), for η on either side of 1.
 #[inline]
 pub(super) fn correlation(eta: f32) -> f32 {
     (-(eta.max(1.0 / eta) - 1.0) / CORRELATION_DECAY).exp()
@@ -39,6 +65,7 @@ pub(super) fn correlation(eta: f32) -> f32 {
 
 /// One roughness.
 struct Slice {
+    alpha: f32,
     sides: [Lobe; 2],
     exchange: f32,
 }
@@ -52,7 +79,7 @@ pub struct BoundaryTables {
 impl BoundaryTables {
     /// The tables for relative index `eta` (> 0; an index and its inverse share tables).
     ///
-    /// Built on first use, which takes some tens of milliseconds, and kept for the life of the process, about 130 kB
+    /// Built on first use, which takes some tens of milliseconds, and kept for the life of the process, about 170 kB
     /// each. Later calls from the same thread take no lock as long as it uses few indices.
     pub fn get(eta: f32) -> &'static Self {
         const RECENT: usize = 4;
@@ -84,33 +111,31 @@ impl BoundaryTables {
             .or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
     }
 
-    /// Builds the tables for `eta` > 1, on the calling thread.
+    /// Builds the tables for `eta` > 1. The same on every machine, however many threads it has.
     pub fn new(eta: f32) -> Self {
-        let (rare, dense) = (Quadrature::<12, 12>::new(), Quadrature::<8, 12>::new());
+        let (rare, dense) = (Quadrature::<12, 12>::new(), Quadrature::<10, 12>::new());
         let kappa = correlation(eta);
-        let critical = ((eta - 1.0) * (eta + 1.0)).sqrt() / eta;
         let average = fresnel::diffuse_reflectance(eta);
-        let slices = (0..SLICES)
-            .map(|j| {
-                let alpha = MIN_ROUGH_ALPHA.powf(1.0 - j as f32 / (SLICES - 1) as f32);
-                let mut reflected = 0.0;
-                let mut last = (0.0, 0.0);
-                let outside = Lobe::new(Warp::new(alpha, None), |mu| {
-                    let lost = rare.lost(mu, alpha, eta, kappa);
-                    reflected += (mu - last.0) * (mu * lost.reflected + last.0 * last.1);
-                    last = (mu, lost.reflected);
-                    lost.reflected + lost.refracted
-                });
-                let inside = Lobe::new(Warp::new(alpha, Some(critical)), |mu| {
-                    let lost = dense.lost(mu, alpha, 1.0 / eta, kappa);
-                    lost.reflected + lost.refracted
-                });
-                let stays = reflected * average.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
-                let feasible = outside.total().min(eta * eta * inside.total());
-                let exchange = (outside.total() - stays).clamp(0.0, feasible);
-                Slice { sides: [outside, inside], exchange }
-            })
-            .collect();
+        let slice = |j: usize| {
+            let alpha = slice_alpha(j);
+            let mut reflected = 0.0;
+            let mut last = (0.0, 0.0);
+            let outside = Lobe::new(Warp::new(alpha, eta), |mu| {
+                let lost = rare.lost(mu, alpha, eta, kappa);
+                reflected += (mu - last.0) * (mu * lost.reflected + last.0 * last.1);
+                last = (mu, lost.reflected);
+                lost.reflected + lost.refracted
+            });
+            let inside = Lobe::new(Warp::new(alpha, 1.0 / eta), |mu| {
+                let lost = dense.lost(mu, alpha, 1.0 / eta, kappa);
+                lost.reflected + lost.refracted
+            });
+            let stays = reflected * average.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
+            let feasible = outside.total().min(eta * eta * inside.total());
+            let exchange = (outside.total() - stays).clamp(0.0, feasible);
+            Slice { alpha, sides: [outside, inside], exchange }
+        };
+        let slices = in_parallel(SLICES, slice);
         Self { eta, slices }
     }
 
@@ -122,16 +147,42 @@ impl BoundaryTables {
     /// The compensation at roughness `alpha` in \[[`MIN_ROUGH_ALPHA`], 1\] (clamped).
     #[inline]
     pub(super) fn at(&self, alpha: f32) -> Compensation<'_> {
-        let span = -MIN_ROUGH_ALPHA.ln();
-        let x = (alpha.clamp(MIN_ROUGH_ALPHA, 1.0).ln() / span + 1.0) * (SLICES - 1) as f32;
-        let j = (x as usize).min(SLICES - 2);
-        Compensation {
-            low: &self.slices[j],
-            high: &self.slices[j + 1],
-            t: (x - j as f32).clamp(0.0, 1.0),
-            inv_eta2: 1.0 / (self.eta * self.eta),
+        let alpha = alpha.clamp(MIN_ROUGH_ALPHA, 1.0);
+        let guess = (position(alpha) * (SLICES - 1) as f32) as usize;
+        let mut j = guess.min(SLICES - 2);
+        if alpha < self.slices[j].alpha {
+            j = j.saturating_sub(1);
+        } else if alpha > self.slices[j + 1].alpha {
+            j = (j + 1).min(SLICES - 2);
         }
+        let (low, high) = (&self.slices[j], &self.slices[j + 1]);
+        let t = ((alpha - low.alpha) / (high.alpha - low.alpha)).clamp(0.0, 1.0);
+        let mix = |f: &dyn Fn(&Slice) -> f32| f(low) * (1.0 - t) + f(high) * t;
+        let total = [mix(&|s| s.sides[0].total()), mix(&|s| s.sides[1].total())];
+        let exchange = mix(&|s| s.exchange);
+        let share = |x: f32, a: f32| (x / a.max(f32::MIN_POSITIVE)).min(1.0);
+        let transmitted = [share(exchange, total[0]), share(exchange / (self.eta * self.eta), total[1])];
+        Compensation { low, high, t, total, transmitted }
     }
+}
+
+/// `f(0)` to `f(count - 1)` on all cores. Plain threads: tables are built where a worker of a pool first meets an
+/// index, and a pool that is waited for while a lock is held could steal work that wants the same lock.
+fn in_parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(count);
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let chunk = count.div_ceil(threads);
+    std::thread::scope(|scope| {
+        for (k, part) in results.chunks_mut(chunk).enumerate() {
+            let f = &f;
+            scope.spawn(move || {
+                for (i, result) in part.iter_mut().enumerate() {
+                    *result = Some(f(k * chunk + i));
+                }
+            });
+        }
+    });
+    results.into_iter().flatten().collect()
 }
 
 impl std::fmt::Debug for BoundaryTables {
@@ -146,32 +197,17 @@ pub(super) struct Compensation<'a> {
     low: &'a Slice,
     high: &'a Slice,
     t: f32,
-    inv_eta2: f32,
+    /// A_a.
+    pub(super) total: [f32; 2],
+    /// τ_a: the share of the lost light of side a that leaves on the other side.
+    pub(super) transmitted: [f32; 2],
 }
 
 impl Compensation<'_> {
-    #[inline]
-    fn mix(&self, f: impl Fn(&Slice) -> f32) -> f32 {
-        f(self.low) * (1.0 - self.t) + f(self.high) * self.t
-    }
-
     /// L_a(µ).
     #[inline]
     pub(super) fn loss(&self, side: usize, mu: f32) -> f32 {
-        self.mix(|s| s.sides[side].loss(mu))
-    }
-
-    /// A_a.
-    #[inline]
-    pub(super) fn total(&self, side: usize) -> f32 {
-        self.mix(|s| s.sides[side].total())
-    }
-
-    /// τ_a: the share of the lost light of side a that leaves on the other side.
-    #[inline]
-    pub(super) fn transmitted(&self, side: usize) -> f32 {
-        let exchange = self.mix(|s| s.exchange) * if side == 0 { 1.0 } else { self.inv_eta2 };
-        (exchange / self.total(side).max(f32::MIN_POSITIVE)).min(1.0)
+        self.low.sides[side].loss(mu) * (1.0 - self.t) + self.high.sides[side].loss(mu) * self.t
     }
 
     /// A cosine on side a with density 2µ L_a(µ)/A_a; `u` in \[0, 1).

@@ -12,36 +12,49 @@
 //! integral is exact and it is sampled exactly as a mixture of the densities of Beta(1,3), Beta(2,2) and Beta(3,1).
 
 /// Cells between µ = 0 and 1.
-pub(super) const CELLS: usize = 64;
+pub(super) const CELLS: usize = 72;
 
-/// Places nodes in µ: one cluster at 0, one at `critical` if there is one.
+/// Places nodes in µ: clusters at 0 and at the critical angle with the scale of the roughness, and at 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Warp {
-    scale: f32,
+    grazing_scale: f32,
+    critical_scale: f32,
     critical: f32,
-    /// Shares of the nodes: grazing cluster, uniform, critical cluster (all multiplied by their normalisation).
-    shares: [f32; 3],
+    /// Shares of the nodes at 0, everywhere, at the critical angle and at 1, with their normalisation.
+    shares: [f32; 4],
     critical_start: f32,
 }
 
 /// Share of the nodes spread uniformly, so that no region starves.
-const UNIFORM_SHARE: f32 = 0.2;
-/// Share of the nodes at the critical angle, where there is one.
-const CRITICAL_SHARE: f32 = 0.4;
+const UNIFORM_SHARE: f32 = 0.1;
+/// Share of the nodes at the critical angle in the limit of large roughness; where the surface is nearly smooth the
+/// loss there is of the order of α^1.5.
+const CRITICAL_SHARE: f32 = 0.35;
+const CRITICAL_ALPHA: f32 = 0.05;
+/// Share of the nodes at normal incidence for α = 1, where the loss has a root-like end.
+const NORMAL_SHARE: f32 = 0.2;
 
 impl Warp {
-    /// Nodes for roughness `alpha`; `critical` is the cosine of the critical angle on the denser side.
-    pub(super) fn new(alpha: f32, critical: Option<f32>) -> Self {
-        let critical_share = if critical.is_some() { CRITICAL_SHARE } else { 0.0 };
-        let critical = critical.unwrap_or(0.0);
-        let step = |x: f32| x / (1.0 + x.abs());
+    /// Nodes for roughness `alpha` and relative index `eta` (beyond over this side; 1 where nothing is refracted).
+    pub(super) fn new(alpha: f32, eta: f32) -> Self {
+        let critical_share = if eta < 1.0 { CRITICAL_SHARE * alpha / (alpha + CRITICAL_ALPHA) } else { 0.0 };
+        let critical = ((1.0 - eta) * (1.0 + eta)).max(0.0).sqrt();
         let start = step(-critical / alpha);
         let range = step((1.0 - critical) / alpha) - start;
-        let grazing_share = 1.0 - UNIFORM_SHARE - critical_share;
+        let normal_share = NORMAL_SHARE * alpha;
+        let grazing_share = 1.0 - UNIFORM_SHARE - critical_share - normal_share;
+        let contrast = (1.0 - eta.min(1.0 / eta)).abs();
+        let grazing_scale = if contrast > 0.0 { (alpha * alpha.min(contrast)).sqrt() } else { alpha };
         Self {
-            scale: alpha,
+            grazing_scale,
+            critical_scale: alpha,
             critical,
-            shares: [grazing_share * (1.0 + alpha), UNIFORM_SHARE, critical_share / range],
+            shares: [
+                grazing_share * (1.0 + grazing_scale),
+                UNIFORM_SHARE,
+                critical_share / range,
+                normal_share,
+            ],
             critical_start: start,
         }
     }
@@ -49,10 +62,10 @@ impl Warp {
     /// Position of `mu` among the nodes, 0 to 1, increasing.
     #[inline]
     fn position(&self, mu: f32) -> f32 {
-        let x = (mu - self.critical) / self.scale;
-        self.shares[0] * mu / (mu + self.scale)
+        self.shares[0] * mu / (mu + self.grazing_scale)
             + self.shares[1] * mu
-            + self.shares[2] * (x / (1.0 + x.abs()) - self.critical_start)
+            + self.shares[2] * (step((mu - self.critical) / self.critical_scale) - self.critical_start)
+            + self.shares[3] * (1.0 - (1.0 - mu).max(0.0).sqrt())
     }
 
     fn node(&self, i: usize) -> f32 {
@@ -103,9 +116,21 @@ impl Lobe {
         self.cumulative[CELLS]
     }
 
+    /// The nodes, increasing from 0 to 1.
+    pub(super) fn nodes(&self) -> &[f32; CELLS + 1] {
+        &self.mu
+    }
+
     /// L(µ) for `mu` in \[0, 1\].
     #[inline]
     pub(super) fn loss(&self, mu: f32) -> f32 {
+        let (i, t) = self.locate(mu);
+        self.loss[i] + t * (self.loss[i + 1] - self.loss[i])
+    }
+
+    /// The cell of `mu` and the position inside it, 0 to 1.
+    #[inline]
+    pub(super) fn locate(&self, mu: f32) -> (usize, f32) {
         let guess = (self.warp.position(mu) * CELLS as f32) as usize;
         let mut i = guess.min(CELLS - 1);
         if mu < self.mu[i] {
@@ -114,8 +139,7 @@ impl Lobe {
             i = (i + 1).min(CELLS - 1);
         }
         let (a, b) = (self.mu[i], self.mu[i + 1]);
-        let t = ((mu - a) / (b - a)).clamp(0.0, 1.0);
-        self.loss[i] + t * (self.loss[i + 1] - self.loss[i])
+        (i, ((mu - a) / (b - a)).clamp(0.0, 1.0))
     }
 
     /// A cosine with density 2µ L(µ)/A; `u` in \[0, 1).
@@ -141,6 +165,12 @@ impl Lobe {
     }
 }
 
+/// A step of unit width and height 2 that is cheap to evaluate.
+#[inline]
+fn step(x: f32) -> f32 {
+    x / (1.0 + x.abs())
+}
+
 /// Bernstein coefficients of µ L(µ) on a cell, both factors linear.
 #[inline]
 fn bernstein(mu0: f32, mu1: f32, l0: f32, l1: f32) -> [f32; 3] {
@@ -152,7 +182,7 @@ mod tests {
     use super::*;
 
     fn lobe() -> Lobe {
-        Lobe::new(Warp::new(0.05, Some(0.7)), |mu| {
+        Lobe::new(Warp::new(0.05, 0.7), |mu| {
             0.3 * (-mu * 6.0).exp() + 0.1 * (-((mu - 0.7) * 9.0).powi(2)).exp()
         })
     }
@@ -160,9 +190,9 @@ mod tests {
     #[test]
     fn nodes_increase_and_reach_the_ends() {
         for alpha in [1e-3, 0.1, 1.0] {
-            for critical in [None, Some(0.014), Some(0.745), Some(0.92)] {
-                let l = Lobe::new(Warp::new(alpha, critical), |mu| 1.0 - mu);
-                assert!(l.mu.windows(2).all(|w| w[0] < w[1]), "{alpha} {critical:?}");
+            for eta in [1.0, 1.5, 0.9999, 0.66, 0.4] {
+                let l = Lobe::new(Warp::new(alpha, eta), |mu| 1.0 - mu);
+                assert!(l.mu.windows(2).all(|w| w[0] < w[1]), "{alpha} {eta}");
                 assert!((l.warp.position(1.0) - 1.0).abs() < 1e-5 && l.warp.position(0.0).abs() < 1e-5);
                 assert!((l.total() - 1.0 / 3.0).abs() < 1e-5, "{}", l.total());
                 assert!((l.loss(0.37) - 0.63).abs() < 1e-5);

@@ -30,6 +30,20 @@ pub(super) struct Lost {
     pub(super) refracted: f32,
 }
 
+/// Light that meets facets at one angle, integrated over the azimuth; shares of the arriving light.
+pub(super) struct Line {
+    /// Cosine of incidence on the facets.
+    pub(super) cos: f32,
+    /// Reflectance of the facets.
+    pub(super) reflectance: f32,
+    /// Share that meets such facets.
+    pub(super) facing: f32,
+    /// Part of it that is masked if it is reflected.
+    pub(super) masked_reflected: f32,
+    /// Part of it that is masked if it is refracted.
+    pub(super) masked_refracted: f32,
+}
+
 /// Nodes per polar segment and over the azimuth.
 pub(super) struct Quadrature<const P: usize, const A: usize> {
     polar: [(f32, f32); P],
@@ -54,6 +68,16 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
     /// What is lost of the light that arrives at cosine `mu` from the side of relative index `eta` (beyond over this
     /// side), at roughness `alpha` and correlation `kappa`.
     pub(super) fn lost(&self, mu: f32, alpha: f32, eta: f32, kappa: f32) -> Lost {
+        let mut sum = Lost::default();
+        self.lines(mu, alpha, eta, kappa, |line| {
+            sum.reflected += line.reflectance * line.masked_reflected;
+            sum.refracted += (1.0 - line.reflectance) * line.masked_refracted;
+        });
+        sum
+    }
+
+    /// Calls `visit` with weighted angles of incidence, for other integrands of the same kind.
+    pub(super) fn lines(&self, mu: f32, alpha: f32, eta: f32, kappa: f32, mut visit: impl FnMut(Line)) {
         let theta = mu.acos();
         let horizon = FRAC_PI_2 - theta;
         let shadow = 0.5 * (FRAC_PI_2 + theta);
@@ -62,18 +86,15 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
         let mut edges = [0.0, theta, horizon, shadow, critical, grazing, FRAC_PI_2];
         edges.sort_by(f32::total_cmp);
         let light = Light::new(mu, theta, alpha, eta, kappa);
-        let mut sum = Lost::default();
         for pair in edges.windows(2) {
             if pair[1] - pair[0] > LEAST_SEGMENT {
-                let part = self.segment([pair[0], pair[1]], &light);
-                sum.reflected += part.reflected;
-                sum.refracted += part.refracted;
+                self.segment([pair[0], pair[1]], &light, &mut visit);
             }
         }
-        sum
     }
 
-    fn segment(&self, [from, to]: [f32; 2], light: &Light) -> Lost {
+    #[inline]
+    fn segment(&self, [from, to]: [f32; 2], light: &Light, visit: &mut impl FnMut(Line)) {
         let &Light { mu, theta, sin_theta, alpha, a2, eta, kappa, inv_masking, visible } = light;
         let warp = |angle: f32| {
             let y = (angle - theta) / alpha;
@@ -83,7 +104,6 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
         let inv_a2 = 1.0 / a2;
         let eta2m1 = (eta - 1.0) * (eta + 1.0);
         let inv_eta = 1.0 / eta;
-        let mut total = Lost::default();
         for (node, weight) in self.polar {
             let (s, ds) = (node * node * (3.0 - 2.0 * node), 6.0 * node * (1.0 - node));
             let x = x0 + (x1 - x0) * s;
@@ -111,7 +131,7 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
             let k_r = position(mu / (2.0 * c).max(TINY));
             let k_t = if bend < 0.0 && reflectance < 1.0 { position(-mu / bend) } else { 1.0 };
             let cuts = [0.0, k_r.min(k_t), k_r.max(k_t), 1.0];
-            let (mut lost_r, mut lost_t) = ([0.0f32; A], [0.0f32; A]);
+            let (mut facing, mut masked_r, mut masked_t) = ([0.0f32; A], [0.0f32; A], [0.0f32; A]);
             for cut in cuts.windows(2) {
                 let length = cut[1] - cut[0];
                 if length < LEAST_SEGMENT {
@@ -130,15 +150,20 @@ impl<const P: usize, const A: usize> Quadrature<P, A> {
                     let g_r = masking_of_cos((2.0 * c * cos_h - mu).clamp(0.0, 1.0), a2);
                     let g_t = masking_of_cos(((mu + bend * cos_h) * inv_eta).clamp(0.0, 1.0), a2);
                     let passed = (1.0 - kappa) * g_t + kappa * (g_t * inv_masking).min(1.0);
-                    lost_r[j] += density * (1.0 - g_r);
-                    lost_t[j] += density * (1.0 - passed);
+                    facing[j] += density;
+                    masked_r[j] += density * (1.0 - g_r);
+                    masked_t[j] += density * (1.0 - passed);
                 }
             }
-            let line = dtheta * visible * c * sin;
-            total.reflected += line * reflectance * lost_r.iter().sum::<f32>();
-            total.refracted += line * (1.0 - reflectance) * lost_t.iter().sum::<f32>();
+            let weight = dtheta * visible * c * sin;
+            visit(Line {
+                cos: c,
+                reflectance,
+                facing: weight * facing.iter().sum::<f32>(),
+                masked_reflected: weight * masked_r.iter().sum::<f32>(),
+                masked_refracted: weight * masked_t.iter().sum::<f32>(),
+            });
         }
-        total
     }
 }
 

@@ -1,22 +1,9 @@
 //! A random walk on a Smith microsurface (Heitz et al. 2016), the reference that the compensated boundary is held
 //! against. Heights are uniform in \[−1, 1\]; the answer does not depend on that choice.
 use super::{fresnel, ggx};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-pub struct Rng(u64);
-impl Rng {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-    pub fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let x = ((self.0 >> 22) ^ self.0) >> (22 + (self.0 >> 61));
-        (x as u32 >> 8) as f32 * (1.0 / 16_777_216.0)
-    }
-    pub fn vec2(&mut self) -> Vec2 {
-        Vec2::new(self.next(), self.next())
-    }
-}
+use super::test_support::Rng;
 
 /// Smith's Λ for a direction above (≥ 0) or below (≤ −1) the horizon.
 fn lambda(w: Vec3, alpha: f32) -> f32 {
@@ -48,10 +35,10 @@ fn next_height(w: Vec3, h: f32, alpha: f32, u: f32) -> Option<f32> {
     Some((2.0 * cdf(h) / (1.0 - u).powf(1.0 / l) - 1.0).clamp(-1.0, 1.0))
 }
 
+/// Where a walk ends.
 pub struct Walk {
+    /// Direction in which the light leaves.
     pub direction: Vec3,
-    pub events: u32,
-    pub crossings: u32,
 }
 
 /// Follows light that arrives from `wo` (pointing away from the surface, either side) until it leaves.
@@ -59,7 +46,7 @@ pub fn walk(wo: Vec3, alpha: f32, eta: f32, rng: &mut Rng) -> Walk {
     let mut outside = wo.z > 0.0;
     let mut w = -wo;
     let mut h = if outside { 1.0 } else { -1.0 };
-    let (mut events, mut crossings) = (0, 0);
+    let mut events = 0;
     loop {
         let next = if outside {
             next_height(w, h, alpha, rng.next())
@@ -82,9 +69,8 @@ pub fn walk(wo: Vec3, alpha: f32, eta: f32, rng: &mut Rng) -> Walk {
         } else {
             w = fresnel::refract(-w, m, n_ratio).unwrap_or(w);
             outside = !outside;
-            crossings += 1;
         }
         w = w.normalize();
     }
-    Walk { direction: w, events, crossings }
+    Walk { direction: w }
 }

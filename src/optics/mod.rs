@@ -1,17 +1,36 @@
-//! Optics.
+//! How light meets surfaces and media: Fresnel's equations, rough boundaries, glTF's surfaces, phase functions, and the
+//! coefficients of media.
+//!
+//! Directions are unit vectors in a local frame whose +z is the normal on the front (outside); they point away from the
+//! surface. `wo` is where the path came from, towards the camera; `wi` where it goes on, towards the light; `wo.z` < 0
+//! means that the path is inside. Paths carry radiance from the camera, so crossing a boundary scales their weight by
+//! (n_o/n_i)² ([`boundary`]). Random numbers are passed in. Nothing here knows scenes.
+
+pub mod albedo;
 pub mod boundary;
 pub mod boundary_tables;
+pub mod bsdf;
 pub mod fresnel;
 pub mod ggx;
 mod lobe;
 mod loss;
+pub mod medium;
+pub mod metallic_roughness;
 #[cfg(test)]
 mod microsurface_walk;
+pub mod phase;
+mod reflection_tables;
+#[cfg(test)]
+mod test_support;
 mod warp;
 
 pub use boundary::{DielectricBoundary, Microfacet};
 pub use boundary_tables::BoundaryTables;
+pub use bsdf::{Bsdf, DiffuseExit, Mixed};
 use glam::Vec3;
+pub use medium::Medium;
+pub use metallic_roughness::{Surface, SurfaceParameters};
+pub use phase::HenyeyGreenstein;
 
 /// A direction drawn from a BSDF, in the local frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,59 +45,4 @@ pub struct BsdfSample {
     pub delta: bool,
     /// Whether `wi` is on the other side of the surface than `wo`.
     pub transmitted: bool,
-}
-
-pub mod albedo;
-pub mod medium;
-pub mod phase;
-pub use medium::Medium;
-pub use phase::HenyeyGreenstein;
-/// stub
-pub enum Bsdf {
-    /// b
-    Boundary(DielectricBoundary),
-    /// d
-    Diffuse(Vec3),
-}
-impl Bsdf {
-    /// s
-    pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Boundary(b) if b.is_delta())
-    }
-    /// s
-    pub fn diffuse(c: Vec3) -> Self {
-        Self::Diffuse(c)
-    }
-    /// s
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        match self {
-            Self::Diffuse(c) if wo.z > 0.0 && wi.z > 0.0 => *c * wi.z / std::f32::consts::PI,
-            Self::Boundary(b) => b.eval(wo, wi),
-            _ => Vec3::ZERO,
-        }
-    }
-    /// s
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        match self {
-            Self::Diffuse(_) if wo.z > 0.0 && wi.z > 0.0 => wi.z / std::f32::consts::PI,
-            Self::Boundary(b) => b.pdf(wo, wi),
-            _ => 0.0,
-        }
-    }
-    /// s
-    pub fn sample(&self, wo: Vec3, ul: f32, u: glam::Vec2) -> Option<BsdfSample> {
-        match self {
-            Self::Diffuse(c) => {
-                let wi = crate::sampling::warp::cosine_hemisphere(u);
-                (wo.z > 0.0).then_some(BsdfSample {
-                    wi,
-                    weight: *c,
-                    pdf: wi.z / std::f32::consts::PI,
-                    delta: false,
-                    transmitted: false,
-                })
-            }
-            Self::Boundary(b) => b.sample(wo, ul, u),
-        }
-    }
 }

@@ -82,7 +82,7 @@ impl HenyeyGreenstein {
 
 #[cfg(test)]
 mod tests {
-    use super::super::microsurface_walk::Rng;
+    use super::super::test_support::Rng;
     use super::*;
 
     #[test]

@@ -1,0 +1,161 @@
+//! Every way a surface scatters, as one closed set that the tracer calls without dynamic dispatch.
+
+use super::boundary::DielectricBoundary;
+use super::metallic_roughness::Surface;
+use super::{BsdfSample, fresnel, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// The scattering of one point of a surface. Local frame, directions point away from the surface, radiance is carried
+/// from the camera.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf {
+    /// A boundary of a medium.
+    Boundary(DielectricBoundary),
+    /// An opaque surface or thin wall.
+    Surface(Surface),
+    /// Part of the surface is a boundary, the rest is opaque.
+    Mixed(Mixed),
+    /// Where light of a BSSRDF leaves its object.
+    Exit(DiffuseExit),
+}
+
+impl Bsdf {
+    /// Whether every sample is a delta.
+    #[inline]
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Self::Boundary(b) => b.is_delta(),
+            Self::Surface(s) => s.is_delta(),
+            Self::Mixed(m) => m.boundary.is_delta() && m.surface.is_delta(),
+            Self::Exit(_) => false,
+        }
+    }
+
+    /// f·|cos θ_i|, deltas left out.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        self.eval_pdf(wo, wi).0
+    }
+
+    /// Density of [`Bsdf::sample`] per steradian, deltas left out.
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.eval_pdf(wo, wi).1
+    }
+
+    /// [`Bsdf::eval`] and [`Bsdf::pdf`] at the price of one.
+    #[inline]
+    pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        match self {
+            Self::Boundary(b) => b.eval_pdf(wo, wi),
+            Self::Surface(s) => s.eval_pdf(wo, wi),
+            Self::Mixed(m) => m.eval_pdf(wo, wi),
+            Self::Exit(e) => e.eval_pdf(wi),
+        }
+    }
+
+    /// Draws a direction; `u_lobe` in \[0, 1), `u` in \[0, 1)². `None` ends the path.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        match self {
+            Self::Boundary(b) => b.sample(wo, u_lobe, u),
+            Self::Surface(s) => s.sample(wo, u_lobe, u),
+            Self::Mixed(m) => m.sample(wo, u_lobe, u),
+            Self::Exit(e) => Some(e.sample(u)),
+        }
+    }
+}
+
+/// A boundary that covers a share of the surface, with an opaque surface on the rest: partial transmission into a
+/// medium. Both are energy-conserving and reciprocal, so their mean is. A thin wall is no partner for a boundary: give
+/// the surface no transmission.
+#[derive(Clone, Copy, Debug)]
+pub struct Mixed {
+    boundary: DielectricBoundary,
+    surface: Surface,
+    share: f32,
+}
+
+impl Mixed {
+    /// `share` in \[0, 1\] is that of the boundary.
+    pub fn new(boundary: DielectricBoundary, surface: Surface, share: f32) -> Self {
+        Self { boundary, surface, share: share.clamp(0.0, 1.0) }
+    }
+
+    /// How a material with a medium, of the given `metallic` and `transmission`, divides: the share of the boundary,
+    /// (1 − metallic) transmission, and the metallic parameter of the opaque rest.
+    pub fn division(metallic: f32, transmission: f32) -> (f32, f32) {
+        let share = (1.0 - metallic) * transmission;
+        (share, if share < 1.0 { metallic / (1.0 - share) } else { 0.0 })
+    }
+
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
+        let (f, p) = self.boundary.eval_pdf(wo, wi);
+        let (g, q) = self.surface.eval_pdf(wo, wi);
+        let (a, b) = (self.share, 1.0 - self.share);
+        (a * f + b * g, a * p + b * q)
+    }
+
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let a = self.share;
+        let (mut sample, share) = if u_lobe < a {
+            (self.boundary.sample(wo, warp::clamp_unit(u_lobe / a), u)?, a)
+        } else {
+            (self.surface.sample(wo, warp::clamp_unit((u_lobe - a) / (1.0 - a)), u)?, 1.0 - a)
+        };
+        if sample.delta {
+            sample.pdf *= share;
+        } else {
+            let (f, pdf) = self.eval_pdf(wo, sample.wi);
+            sample.weight = f / pdf;
+            sample.pdf = pdf;
+        }
+        Some(sample)
+    }
+}
+
+/// The lobe by which light found by a BSSRDF left its object, seen from outside: a path that comes out at this point
+/// goes on in proportion to the Fresnel transmittance, (1 − F(cos θ)) cos θ/(π (1 − F̄)), which integrates to 1.
+#[derive(Clone, Copy, Debug)]
+pub struct DiffuseExit {
+    eta: f32,
+    inv_entering: f32,
+}
+
+impl DiffuseExit {
+    /// `eta` is inside over outside.
+    pub fn new(eta: f32) -> Self {
+        Self { eta, inv_entering: 1.0 / (1.0 - fresnel::diffuse_reflectance(eta)) }
+    }
+
+    #[inline]
+    fn eval_pdf(&self, wi: Vec3) -> (Vec3, f32) {
+        if wi.z <= 0.0 {
+            return (Vec3::ZERO, 0.0);
+        }
+        let pdf = wi.z * FRAC_1_PI;
+        (Vec3::splat(pdf * self.weight(wi.z)), pdf)
+    }
+
+    #[inline]
+    fn weight(&self, cos: f32) -> f32 {
+        (1.0 - fresnel::dielectric(cos, self.eta)) * self.inv_entering
+    }
+
+    #[inline]
+    fn sample(&self, u: Vec2) -> BsdfSample {
+        let wi = warp::cosine_hemisphere(u);
+        BsdfSample {
+            wi,
+            weight: Vec3::splat(self.weight(wi.z)),
+            pdf: wi.z * FRAC_1_PI,
+            delta: false,
+            transmitted: true,
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "bsdf_tests.rs"]
+mod tests;
