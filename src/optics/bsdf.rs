@@ -21,6 +21,11 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// A diffuse surface that reflects `color`.
+    pub fn diffuse(color: Vec3) -> Self {
+        Self::Surface(Surface::lambertian(color))
+    }
+
     /// Whether every sample is a delta.
     #[inline]
     pub fn is_delta(&self) -> bool {
@@ -62,7 +67,7 @@ impl Bsdf {
             Self::Boundary(b) => b.sample(wo, u_lobe, u),
             Self::Surface(s) => s.sample(wo, u_lobe, u),
             Self::Mixed(m) => m.sample(wo, u_lobe, u),
-            Self::Exit(e) => Some(e.sample(u)),
+            Self::Exit(e) => Some(e.sample(wo, u)),
         }
     }
 }
@@ -115,7 +120,7 @@ impl Mixed {
     }
 }
 
-/// The lobe by which light found by a BSSRDF left its object, seen from outside: a path that comes out at this point
+/// The lobe by which light found by a BSSRDF left its object, towards z > 0 whatever `wo`: a path that comes out at this point
 /// goes on in proportion to the Fresnel transmittance, (1 − F(cos θ)) cos θ/(π (1 − F̄)), which integrates to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseExit {
@@ -144,14 +149,14 @@ impl DiffuseExit {
     }
 
     #[inline]
-    fn sample(&self, u: Vec2) -> BsdfSample {
+    fn sample(&self, wo: Vec3, u: Vec2) -> BsdfSample {
         let wi = warp::cosine_hemisphere(u);
         BsdfSample {
             wi,
             weight: Vec3::splat(self.weight(wi.z)),
             pdf: wi.z * FRAC_1_PI,
             delta: false,
-            transmitted: true,
+            transmitted: wo.z < 0.0,
         }
     }
 }

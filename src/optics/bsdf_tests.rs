@@ -5,7 +5,11 @@ use super::*;
 
 fn mixed(roughness: f32) -> Bsdf {
     let boundary = DielectricBoundary::new(1.4, roughness * roughness, Microfacet::Multiple);
-    let surface = Surface::new(&SurfaceParameters { metallic: 0.3, roughness, ..Default::default() });
+    let surface = Surface::new(&SurfaceParameters {
+        metallic: 0.3,
+        alpha: roughness * roughness,
+        ..Default::default()
+    });
     Bsdf::Mixed(Mixed::new(boundary, surface, 0.6))
 }
 
@@ -62,6 +66,7 @@ fn exit_lobe_is_normalised_and_sampled() {
         let e = hemisphere(1.0, 200, |wi| b.eval(wo, wi).x);
         assert!((e - 1.0).abs() < 1e-3, "eta {eta}: {e}");
         assert_eq!(b.eval(wo, direction(-0.3, 0.0)), Vec3::ZERO);
+        assert!(b.sample(wo, 0.5, Vec2::splat(0.5)).is_some_and(|s| s.transmitted));
         let z = chi_square(1, 60_000, |wi| b.pdf(wo, wi), |rng| b.sample(wo, rng.next(), rng.vec2()));
         assert!(z < 4.0, "z = {z}");
     }

@@ -41,8 +41,8 @@ pub struct SurfaceParameters {
     pub base_color: Vec3,
     /// 0 dielectric, 1 metal.
     pub metallic: f32,
-    /// Perceptual roughness, \[0, 1\]; α is its square.
-    pub roughness: f32,
+    /// α, the square of the perceptual roughness, \[0, 1\].
+    pub alpha: f32,
     /// Index of refraction of the dielectric, ≥ 1 (0 means infinite, as KHR_materials_ior has it).
     pub ior: f32,
     /// Strength of the dielectric reflection, \[0, 1\].
@@ -60,7 +60,7 @@ impl Default for SurfaceParameters {
         Self {
             base_color: Vec3::ONE,
             metallic: 1.0,
-            roughness: 1.0,
+            alpha: 1.0,
             ior: 1.5,
             specular: 1.0,
             specular_color: Vec3::ONE,
@@ -101,7 +101,7 @@ const LEAST_CHOICE: f32 = 0.02;
 impl Surface {
     /// The surface with these parameters; out-of-range ones are clamped.
     pub fn new(p: &SurfaceParameters) -> Self {
-        let alpha = (p.roughness * p.roughness).clamp(0.0, 1.0);
+        let alpha = p.alpha.clamp(0.0, 1.0);
         let reflection = Reflection::at(alpha);
         let normal = if p.ior == 0.0 { 1.0 } else { f0_from_eta(p.ior) };
         let f0 = (normal * p.specular_color).min(Vec3::ONE) * p.specular;
@@ -130,6 +130,17 @@ impl Surface {
         let average = Directional { lost: reflection.lost_average, schlick: reflection.schlick_average };
         surface.base_average = 1.0 - surface.coat_albedo(average);
         surface
+    }
+
+    /// A diffuse surface that reflects `color`, without a coat.
+    pub fn lambertian(color: Vec3) -> Self {
+        Self::new(&SurfaceParameters {
+            base_color: color,
+            metallic: 0.0,
+            alpha: 0.0,
+            specular: 0.0,
+            ..SurfaceParameters::default()
+        })
     }
 
     /// Whether every sample is a delta.

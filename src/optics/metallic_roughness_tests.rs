@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 const WHITE: SurfaceParameters = SurfaceParameters {
     base_color: Vec3::ONE,
     metallic: 1.0,
-    roughness: 1.0,
+    alpha: 1.0,
     ior: 1.5,
     specular: 1.0,
     specular_color: Vec3::ONE,
@@ -28,12 +28,12 @@ fn white_surfaces_reflect_and_transmit_everything() {
         (0.4, 0.5, 1.33),
         (0.0, 0.3, 1.0),
     ] {
-        for roughness in [0.55f32, 0.75, 1.0] {
-            let s = Surface::new(&SurfaceParameters { metallic, transmission, ior, roughness, ..WHITE });
+        for alpha in [0.3f32, 0.55, 1.0] {
+            let s = Surface::new(&SurfaceParameters { metallic, transmission, ior, alpha, ..WHITE });
             for cos in [-0.5f32, 0.05, 0.3, 0.7, 1.0] {
                 let e = energy(&s, direction(cos, 0.0));
                 worst = worst.max((e - 1.0).abs());
-                assert!((e - 1.0).abs() < 1e-3, "{metallic} {transmission} {ior} {roughness} {cos}: {e}");
+                assert!((e - 1.0).abs() < 1e-3, "{metallic} {transmission} {ior} {alpha} {cos}: {e}");
             }
         }
     }
@@ -42,7 +42,7 @@ fn white_surfaces_reflect_and_transmit_everything() {
 
 /// The specification, written out again from its text.
 fn khronos(p: &SurfaceParameters, v: Vec3, l: Vec3) -> Vec3 {
-    let alpha = p.roughness * p.roughness;
+    let alpha = p.alpha;
     let (nv, nl) = (v.z, l.z);
     let h = (v + l).normalize();
     let (nh, vh) = (h.z, v.dot(h));
@@ -64,7 +64,7 @@ fn single_scattering_is_appendix_b() {
         let p = SurfaceParameters {
             base_color: Vec3::new(rng.next(), rng.next(), rng.next()),
             metallic: rng.next(),
-            roughness: 0.2 + 0.8 * rng.next(),
+            alpha: 0.04 + 0.96 * rng.next(),
             ior: 1.0 + rng.next(),
             specular: rng.next(),
             specular_color: Vec3::new(rng.next(), rng.next(), rng.next()),
@@ -89,7 +89,7 @@ fn reciprocal() {
             let p = SurfaceParameters {
                 base_color: Vec3::new(rng.next(), 0.5, 0.1),
                 metallic: rng.next(),
-                roughness: 0.2 + 0.8 * rng.next(),
+                alpha: 0.04 + 0.96 * rng.next(),
                 transmission: rng.next(),
                 microfacet,
                 ..WHITE
@@ -109,10 +109,9 @@ fn samples_follow_their_density_and_carry_value_over_density() {
     let mut worst = 0.0f64;
     for microfacet in [Microfacet::Single, Microfacet::Multiple] {
         for (metallic, transmission) in [(1.0, 0.0), (0.0, 0.0), (0.2, 0.6)] {
-            for roughness in [0.5f32, 1.0] {
+            for alpha in [0.25f32, 1.0] {
                 let base_color = Vec3::new(0.8, 0.4, 0.2);
-                let p =
-                    SurfaceParameters { base_color, metallic, transmission, roughness, microfacet, ..WHITE };
+                let p = SurfaceParameters { base_color, metallic, transmission, alpha, microfacet, ..WHITE };
                 let s = Surface::new(&p);
                 for cos in [-0.6f32, 0.1, 0.9] {
                     let wo = direction(cos, 2.0);
@@ -137,9 +136,19 @@ fn samples_follow_their_density_and_carry_value_over_density() {
 }
 
 #[test]
+fn lambertian_is_its_colour() {
+    let color = Vec3::new(0.9, 0.5, 0.0);
+    let s = Surface::lambertian(color);
+    let (wo, wi) = (direction(0.3, 0.0), direction(0.6, 2.0));
+    assert!((s.eval(wo, wi) - color * 0.6 / PI).length() < 1e-6);
+    let x = s.sample(wo, 0.5, Vec2::splat(0.3)).unwrap();
+    assert!((x.weight - color).length() < 1e-6 && !x.delta && !x.transmitted);
+}
+
+#[test]
 fn smooth_metal_is_a_mirror_and_smooth_plastic_a_coat_on_a_diffuse_base() {
     let mirror =
-        Surface::new(&SurfaceParameters { roughness: 0.0, base_color: Vec3::new(1.0, 0.8, 0.3), ..WHITE });
+        Surface::new(&SurfaceParameters { alpha: 0.0, base_color: Vec3::new(1.0, 0.8, 0.3), ..WHITE });
     let wo = direction(0.5, 1.0);
     let s = mirror.sample(wo, 0.3, Vec2::splat(0.4)).unwrap();
     assert!(mirror.is_delta() && s.delta && s.pdf == 1.0);
@@ -147,7 +156,7 @@ fn smooth_metal_is_a_mirror_and_smooth_plastic_a_coat_on_a_diffuse_base() {
     let expected = Vec3::new(1.0, 0.8, 0.3) + Vec3::new(0.0, 0.2, 0.7) * 0.5f32.powi(5);
     assert!((s.weight - expected).length() < 1e-6);
 
-    let plastic = Surface::new(&SurfaceParameters { roughness: 0.0, metallic: 0.0, ..WHITE });
+    let plastic = Surface::new(&SurfaceParameters { alpha: 0.0, metallic: 0.0, ..WHITE });
     assert!(!plastic.is_delta());
     let fresnel = 0.04 + 0.96 * 0.5f32.powi(5);
     let diffuse = hemisphere(1.0, 200, |wi| plastic.eval(wo, wi).x);
@@ -164,7 +173,7 @@ fn smooth_metal_is_a_mirror_and_smooth_plastic_a_coat_on_a_diffuse_base() {
 
 #[test]
 fn a_smooth_thin_wall_does_not_bend_light() {
-    let s = Surface::new(&SurfaceParameters { roughness: 0.0, metallic: 0.0, transmission: 1.0, ..WHITE });
+    let s = Surface::new(&SurfaceParameters { alpha: 0.0, metallic: 0.0, transmission: 1.0, ..WHITE });
     let wo = direction(-0.7, 1.0);
     let x = s.sample(wo, 0.99, Vec2::splat(0.4)).unwrap();
     assert!(s.is_delta() && x.delta && x.transmitted && (x.wi + wo).length() < 1e-6);
@@ -182,7 +191,7 @@ fn extremes_give_finite_numbers() {
         let p = SurfaceParameters {
             base_color: Vec3::new(u(), u(), u()),
             metallic: u(),
-            roughness: u(),
+            alpha: u(),
             ior: [0.0, 1.0, 1.5, 3.0][k % 4],
             specular: u(),
             specular_color: Vec3::new(u(), u(), 3.0 * u()),

@@ -1,7 +1,7 @@
 //! A material at a point: its textures read, and the scattering function they make.
 
 use super::{MaterialDescription, Scene, Surface};
-use crate::optics::{Bsdf, Microfacet};
+use crate::optics::{Bsdf, DielectricBoundary, Microfacet, Mixed, Surface as Opaque, SurfaceParameters};
 use glam::{Vec3, Vec4};
 
 /// The parameters of a material at one surface point.
@@ -84,13 +84,33 @@ impl Scene {
 impl Shading<'_> {
     /// The scattering function; `eta` is the index inside over outside.
     pub fn bsdf(&self, eta: f32, boundary: bool, microfacet: Microfacet) -> Bsdf {
-        if boundary {
-            Bsdf::Boundary(
-                crate::optics::DielectricBoundary::new(eta, self.alpha, microfacet)
-                    .with_transmission_tint(self.base_color),
-            )
-        } else {
-            Bsdf::Diffuse(self.base_color)
+        if !boundary {
+            return Bsdf::Surface(Opaque::new(&self.parameters(
+                self.metallic,
+                self.transmission,
+                microfacet,
+            )));
+        }
+        let interface =
+            DielectricBoundary::new(eta, self.alpha, microfacet).with_transmission_tint(self.base_color);
+        let (share, metallic) = Mixed::division(self.metallic, self.transmission);
+        if share >= 1.0 {
+            return Bsdf::Boundary(interface);
+        }
+        let opaque = Opaque::new(&self.parameters(metallic, 0.0, microfacet));
+        Bsdf::Mixed(Mixed::new(interface, opaque, share))
+    }
+
+    fn parameters(&self, metallic: f32, transmission: f32, microfacet: Microfacet) -> SurfaceParameters {
+        SurfaceParameters {
+            base_color: self.base_color,
+            metallic,
+            alpha: self.alpha,
+            ior: self.material.ior,
+            specular: self.material.specular,
+            specular_color: self.material.specular_color,
+            transmission,
+            microfacet,
         }
     }
 }

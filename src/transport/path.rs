@@ -4,7 +4,7 @@ use super::direct::{InteriorLight, Shaded};
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::render::RenderOptions;
 use crate::geometry::{Hit, Ray, offset_origin};
-use crate::optics::Bsdf;
+use crate::optics::{Bsdf, DiffuseExit};
 use crate::sampling::{Sampler, orthonormal_basis, power_heuristic};
 use crate::scene::{AlphaMode, Camera, Scene, Shading, Surface};
 use crate::subsurface::{Arrival, Flight, PathHead, Propagator, Start};
@@ -261,10 +261,12 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> bool {
+        let mut eta = 1.0;
         if let Some(e) = path.stack.current() {
+            eta = self.interface(&path.stack, e, false).1;
             path.stack.leave(e.instance);
         }
-        let bsdf = Bsdf::diffuse(Vec3::ONE);
+        let bsdf = Bsdf::Exit(DiffuseExit::new(eta));
         path.head.direction = -surface.normal;
         let shaded = Shaded {
             surface,
