@@ -32,7 +32,7 @@ fn is_near(distance: usize, wanted: &str) -> bool {
 /// Edit distance (insertions, deletions, substitutions, swaps of neighbours), or 1 where one is the beginning of the
 /// other.
 fn distance(a: &str, b: &str) -> usize {
-    if !a.is_empty() && a != b && (b.starts_with(a) || a.starts_with(b)) {
+    if !a.is_empty() && !b.is_empty() && a != b && (b.starts_with(a) || a.starts_with(b)) {
         return 1;
     }
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());

@@ -8,13 +8,13 @@ use super::standin as asset;
 use super::standin as transport;
 use crate::asset::environment::load_environment;
 use crate::light::studio::studio;
-use crate::scene::{CameraDescription, EnvironmentDescription, SceneDescription};
+use crate::scene::{CameraDescription, EnvironmentDescription, MeshDescription, SceneDescription};
 use glam::Vec3;
 use std::path::Path;
 
 pub(super) use super::standin::Microfacet;
 pub(super) use super::standin::Scene;
-pub(super) use super::standin::{Diagnostic, Loaded, Severity};
+pub(super) use super::standin::{Diagnostic, Loaded, Severity, Summary};
 pub(super) use super::standin::{RenderControl, RenderOptions, RenderStats, Rendered};
 
 /// Names of the subsurface models.
@@ -132,4 +132,10 @@ pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraD
         (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
     }
     super::standin::auto_camera(min, max, aspect)
+}
+
+/// Edges that keep a mesh from being closed: after merging equal positions, those that are not shared by exactly two
+/// triangles.
+pub(super) fn open_edges(mesh: &MeshDescription) -> Vec<[Vec3; 2]> {
+    super::standin::open_edges(mesh)
 }

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use crate::film::Film;
-use crate::scene::{CameraDescription, Projection, SceneDescription};
+use crate::scene::{CameraDescription, MeshDescription, Projection, SceneDescription};
 use glam::{Affine3A, Mat3, Vec3};
 use std::path::Path;
 
@@ -168,4 +168,8 @@ pub(super) fn auto_camera(_: Vec3, _: Vec3, _: f32) -> CameraDescription {
         transform: Affine3A::from_mat3_translation(Mat3::IDENTITY, Vec3::Z),
         projection: Projection::Perspective { yfov: 0.6, aspect: None },
     }
+}
+
+pub(super) fn open_edges(_: &MeshDescription) -> Vec<[Vec3; 2]> {
+    Vec::new()
 }

@@ -1,0 +1,165 @@
+//! An inspection for people.
+
+use super::format::{count, length, lengths, number, triple};
+use super::report::{MediumReport, ObjectReport, Report};
+use crate::cli::message::grouped;
+use crate::cli::pipeline::{Severity, is_lit};
+use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
+use std::fmt::Write;
+
+/// The most names on one line.
+const MOST_NAMES: usize = 6;
+
+/// The whole report as text.
+pub(super) fn describe(report: &Report<'_>, scene: &SceneDescription) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = overview(&mut out, report, scene);
+    for medium in &report.media {
+        let _ = describe_medium(&mut out, medium);
+    }
+    let _ = ignored(&mut out, report);
+    let _ = findings(&mut out, report);
+    out
+}
+
+fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> std::fmt::Result {
+    let summary = report.summary;
+    writeln!(out, "{}", report.file)?;
+    if let Some(generator) = &summary.generator {
+        line(out, "written by", generator)?;
+    }
+    if let Some(copyright) = &summary.copyright {
+        line(out, "copyright", copyright)?;
+    }
+    let scenes = match summary.scenes.len() {
+        0 | 1 => String::new(),
+        n => format!("; {n} scenes: {}", names(summary.scenes.iter().map(String::as_str))),
+    };
+    let geometry = format!(
+        "{} of {}, {} triangles, {} vertices{scenes}",
+        count(report.objects, "object", "objects"),
+        count(scene.meshes.len(), "mesh", "meshes"),
+        summary.instanced_triangles,
+        summary.vertices
+    );
+    line(out, "geometry", &geometry)?;
+    let cameras: Vec<String> = scene.cameras.iter().map(camera).collect();
+    let cameras = match cameras.len() {
+        0 => "none: the whole scene will be framed".to_owned(),
+        _ => names(cameras.iter().map(String::as_str)),
+    };
+    line(out, "cameras", &cameras)?;
+    line(out, "lights", &lights(scene))?;
+    if !summary.animations.is_empty() {
+        line(out, "animations", &names(summary.animations.iter().map(String::as_str)))?;
+    }
+    if report.media.is_empty() {
+        line(out, "media", "none: nothing in this file scatters light below its surface")?;
+    }
+    Ok(())
+}
+
+fn camera(camera: &CameraDescription) -> String {
+    match camera.projection {
+        Projection::Perspective { yfov, .. } => {
+            format!("{:?} (perspective, {}°)", camera.name, number(yfov.to_degrees()))
+        }
+        Projection::Orthographic { ymag, .. } => {
+            format!("{:?} (orthographic, {} high)", camera.name, length(2.0 * ymag))
+        }
+    }
+}
+
+fn lights(scene: &SceneDescription) -> String {
+    let is_kind = |wanted: fn(&PunctualKind) -> bool| scene.lights.iter().filter(|l| wanted(&l.kind)).count();
+    let kinds = [
+        (is_kind(|k| matches!(k, PunctualKind::Point)), "point"),
+        (is_kind(|k| matches!(k, PunctualKind::Spot { .. })), "spot"),
+        (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
+        (scene.materials.iter().filter(|m| m.emission.max_element() > 0.0).count(), "emissive materials"),
+    ];
+    let found: Vec<String> =
+        kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();
+    match (found.is_empty(), is_lit(scene)) {
+        (true, false) => "none: the built-in studio will light it".to_owned(),
+        (true, true) => "an environment".to_owned(),
+        (false, true) => found.join(", "),
+        (false, false) => {
+            format!("{}, none of them visible: the built-in studio will light it", found.join(", "))
+        }
+    }
+}
+
+fn describe_medium(out: &mut String, medium: &MediumReport) -> std::fmt::Result {
+    let MediumReport { material, name, pointer, .. } = medium;
+    writeln!(out, "\nmedium of material {material} {name:?} ({pointer})")?;
+    let textured = if medium.textured { ", times textures" } else { "" };
+    line(out, "absorption σa", &format!("{} 1/m{textured}", triple(medium.sigma_a.map(Some))))?;
+    line(out, "scattering σs", &format!("{} 1/m{textured}", triple(medium.sigma_s.map(Some))))?;
+    line(out, "anisotropy g", &number(medium.anisotropy))?;
+    line(out, "index η", &number(medium.ior))?;
+    if medium.priority != 0 {
+        line(out, "priority", &medium.priority.to_string())?;
+    }
+    line(out, "mean free path", &lengths(medium.mean_free_path))?;
+    line(out, "effective albedo", &triple(medium.effective_albedo))?;
+    if medium.objects.is_empty() {
+        line(out, "objects", "none: no object of the scene uses it")?;
+    }
+    for object in &medium.objects {
+        line(out, "object", &format!("{:?} ({}): {}", object.name, object.pointer, closedness(object)))?;
+    }
+    Ok(())
+}
+
+fn closedness(object: &ObjectReport) -> String {
+    let Some(largest) = object.holes.first() else { return "closed".to_owned() };
+    let [x, y, z] = largest.center.map(number);
+    format!(
+        "NOT CLOSED, light leaks out at {} in {}; the largest is {} across, around ({x}, {y}, {z})",
+        count(object.open_edges, "open edge", "open edges"),
+        count(object.holes.len(), "hole", "holes"),
+        length(largest.size)
+    )
+}
+
+fn ignored(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
+    let mut ignored =
+        report.summary.extensions.iter().filter_map(|e| Some((&e.name, e.ignored.as_ref()?))).peekable();
+    if ignored.peek().is_some() {
+        writeln!(out, "\nignored")?;
+    }
+    for (name, why) in ignored {
+        writeln!(out, "  {name}: {why}")?;
+    }
+    Ok(())
+}
+
+fn findings(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
+    for (severity, title) in
+        [(Severity::Error, "errors"), (Severity::Warning, "warnings"), (Severity::Note, "notes")]
+    {
+        let mut found =
+            grouped(report.diagnostics).into_iter().filter(|(d, _)| d.severity == severity).peekable();
+        if found.peek().is_some() {
+            writeln!(out, "\n{title}")?;
+        }
+        for (diagnostic, more) in found {
+            let more = if more > 0 { format!(" [and in {more} more places]") } else { String::new() };
+            writeln!(out, "  {diagnostic}{more}")?;
+        }
+    }
+    Ok(())
+}
+
+fn line(out: &mut String, name: &str, value: &str) -> std::fmt::Result {
+    writeln!(out, "  {name:<17} {value}")
+}
+
+fn names<'a>(all: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let n = all.len();
+    let shown: Vec<&str> = all.take(MOST_NAMES).collect();
+    let more = if n > MOST_NAMES { format!(" and {} more", n - MOST_NAMES) } else { String::new() };
+    shown.join(", ") + &more
+}
