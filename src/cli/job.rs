@@ -50,8 +50,8 @@ impl RenderJob {
 
     /// Whether every output could be written, before work begins that would be lost.
     pub fn check_outputs(&self) -> Result<(), Failure> {
-        let paths = self.outputs.iter().map(|(path, _)| path).chain(&self.args.stats);
-        paths.map(|path| check_output(path)).collect()
+        let mut paths = self.outputs.iter().map(|(path, _)| path).chain(&self.args.stats);
+        paths.try_for_each(|path| check_output(path))
     }
 
     /// The size to render: what was asked for, else the longest side 1024 with the camera's aspect ratio.
