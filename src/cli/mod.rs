@@ -20,7 +20,6 @@ mod names;
 mod pipeline;
 mod progress;
 mod render;
-mod standin;
 mod stats;
 
 use clap::Parser;

@@ -4,27 +4,29 @@
 use super::Failure;
 use super::args::EnvArg;
 use super::message::Reporter;
-use super::standin as asset;
-use super::standin as transport;
-use crate::asset::environment::load_environment;
+use crate::asset::{self, environment::load_environment};
+use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
-use crate::scene::{CameraDescription, EnvironmentDescription, MeshDescription, SceneDescription};
+use crate::scene::{
+    CameraDescription, EnvironmentDescription, MeshDescription, SceneDescription, auto_camera,
+};
+use crate::{subsurface, transport};
 use glam::Vec3;
 use std::path::Path;
 
-pub(super) use super::standin::Microfacet;
-pub(super) use super::standin::Scene;
-pub(super) use super::standin::{Diagnostic, Loaded, Severity, Summary};
-pub(super) use super::standin::{RenderControl, RenderOptions, RenderStats, Rendered};
+pub(super) use crate::asset::{Diagnostic, Loaded, Severity, Summary};
+pub(super) use crate::optics::Microfacet;
+pub(super) use crate::scene::Scene;
+pub(super) use crate::transport::{RenderControl, RenderOptions, RenderStats, Rendered};
 
 /// Names of the subsurface models.
 pub(super) fn subsurface_models() -> Vec<String> {
-    super::standin::subsurface_models()
+    subsurface::Registry::standard().iter().map(|model| model.name().to_owned()).collect()
 }
 
 /// Loads a glTF file.
 pub(super) fn load(path: &Path, scene: Option<usize>, strict: bool) -> Result<Loaded, Failure> {
-    let options = asset::LoadOptions { scene, strict };
+    let options = asset::LoadOptions { scene, strict, ..Default::default() };
     asset::load(path, &options).map_err(|error| {
         let text = error.to_string();
         let shown = path.display().to_string();
@@ -123,19 +125,17 @@ pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraD
         for &position in scene.meshes.get(instance.mesh).map_or(&[][..], |mesh| &mesh.positions) {
             let point = instance.transform.transform_point3(position);
             if point.is_finite() {
-                min = min.min(point);
-                max = max.max(point);
+                (min, max) = (min.min(point), max.max(point));
             }
         }
     }
     if min.cmpgt(max).any() {
         (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
     }
-    super::standin::auto_camera(min, max, aspect)
+    auto_camera(min, max, aspect)
 }
 
-/// Edges that keep a mesh from being closed: after merging equal positions, those that are not shared by exactly two
-/// triangles.
-pub(super) fn open_edges(mesh: &MeshDescription) -> Vec<[Vec3; 2]> {
-    super::standin::open_edges(mesh)
+/// Whether a mesh is closed, and where it is not.
+pub(super) fn topology(mesh: &MeshDescription) -> Topology {
+    Topology::analyse(&MeshGeometry::build(&mesh.positions, &mesh.triangles))
 }

@@ -44,13 +44,10 @@ impl MeshGeometry {
         let corners: Vec<Option<[Vec3; 3]>> = triangles.par_iter().map(corners).collect();
         let dropped = corners.iter().filter(|c| c.is_none()).count();
         let vertices: Vec<[Vec3; 3]> = corners.par_iter().map(|c| c.unwrap_or_default()).collect();
-        let normals: Vec<Vec3> = vertices
-            .par_iter()
-            .map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) })
-            .collect();
+        let normals: Vec<Vec3> =
+            vertices.par_iter().map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) }).collect();
         let solid = |v: &[Vec3; 3]| v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        let kept: Vec<u32> =
-            (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
+        let kept: Vec<u32> = (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
         let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&vertices[i as usize])).collect();
         let (bvh, blocks) = WideBvh::build(&boxes, 8);
         let blocks = blocks
@@ -135,7 +132,8 @@ impl MeshGeometry {
     /// Whether both hierarchies are the same, node by node.
     #[cfg(test)]
     pub(super) fn same_layout(&self, other: &Self) -> bool {
-        let children = |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
+        let children =
+            |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
         let ids = |mesh: &Self| mesh.blocks.iter().map(|b| b.ids).collect::<Vec<_>>();
         children(self) == children(other) && ids(self) == ids(other)
     }
@@ -150,8 +148,12 @@ impl MeshGeometry {
                 for lane in bits(hits.mask) {
                     if hits.t[lane] < t_max {
                         t_max = hits.t[lane];
-                        closest =
-                            Some(MeshHit { t: t_max, triangle: block.ids[lane], u: hits.u[lane], v: hits.v[lane] });
+                        closest = Some(MeshHit {
+                            t: t_max,
+                            triangle: block.ids[lane],
+                            u: hits.u[lane],
+                            v: hits.v[lane],
+                        });
                     }
                 }
             }
@@ -235,6 +237,8 @@ fn unit_normal(v: &[Vec3; 3]) -> Vec3 {
     if n.is_finite() {
         return n.normalize().as_vec3();
     }
-    let longest = edges.into_iter().fold(glam::DVec3::ZERO, |l, e| if e.length_squared() > l.length_squared() { e } else { l });
+    let longest = edges
+        .into_iter()
+        .fold(glam::DVec3::ZERO, |l, e| if e.length_squared() > l.length_squared() { e } else { l });
     longest.try_normalize().map_or(Vec3::Z, |e| e.any_orthonormal_vector().as_vec3())
 }

@@ -112,7 +112,9 @@ mod tests {
                     if i & 4 == 0 { min.z } else { max.z },
                 );
                 let p = inverse.transform_point3(corner);
-                assert!(p.z < 0.0 && (p.y / -p.z).abs() < tan && (p.x / -p.z).abs() < tan * w as f32 / h as f32);
+                assert!(
+                    p.z < 0.0 && (p.y / -p.z).abs() < tan && (p.x / -p.z).abs() < tan * w as f32 / h as f32
+                );
             }
         }
     }

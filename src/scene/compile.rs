@@ -82,12 +82,20 @@ impl Scene {
             .iter()
             .map(|i| Mat3::from(i.transform.matrix3).inverse().transpose())
             .collect();
-        let mirrored =
-            description.instances.iter().map(|i| Mat3::from(i.transform.matrix3).determinant() < 0.0).collect();
+        let mirrored = description
+            .instances
+            .iter()
+            .map(|i| Mat3::from(i.transform.matrix3).determinant() < 0.0)
+            .collect();
         let mut scene = Self {
             has_see_through: false,
             objects: vec![Object::default(); description.instances.len()],
-            lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default(), (Vec3::ZERO, Vec3::ZERO)),
+            lights: Lights::build(
+                Vec::new(),
+                &[],
+                &EnvironmentDescription::default(),
+                (Vec3::ZERO, Vec3::ZERO),
+            ),
             default_material: MaterialDescription::default(),
             description: Arc::new(description),
             geometry,
@@ -201,7 +209,8 @@ impl Scene {
                 continue;
             }
             let mesh = &self.description.meshes[instance.mesh];
-            let materials = mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
+            let materials =
+                mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
             let priority = materials.map(|m| m.priority).max().unwrap_or(0);
             let volume = self.topologies[instance.mesh].as_ref().map_or(0.0, |t| t.volume().abs() as f64)
                 * Mat3::from(instance.transform.matrix3).determinant().abs() as f64;
@@ -217,10 +226,8 @@ impl Scene {
             let isolated = closed && !self.anything_else_within(instance, &bounds);
             let inside = |p: Vec3| bounds.min.cmple(p).all() && bounds.max.cmpge(p).all();
             let lit_inside = emitters.iter().any(|e| {
-                let (min, max) = e
-                    .vertices
-                    .iter()
-                    .fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
+                let (min, max) =
+                    e.vertices.iter().fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
                 min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
             }) || self
                 .description

@@ -101,7 +101,8 @@ impl Surface {
         let sign = if tangent.w < 0.0 { -mirrored } else { mirrored };
         let bitangent = self.normal.cross(tangent_world) * sign;
         let texel = self.texture(scene, texture).truncate() * 2.0 - Vec3::ONE;
-        let mapped = tangent_world * (texel.x * scale) + bitangent * (texel.y * scale) + self.normal * texel.z;
+        let mapped =
+            tangent_world * (texel.x * scale) + bitangent * (texel.y * scale) + self.normal * texel.z;
         keep_side(mapped.normalize_or(self.normal), self.geometric_normal)
     }
 }

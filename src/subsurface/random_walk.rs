@@ -89,7 +89,8 @@ impl Coefficients {
     /// A free flight drawn from the mixture over channels.
     #[inline]
     pub fn sample_distance(&self, throughput: Vec3, rng: &mut SmallRng) -> f32 {
-        let sigma_t = if self.grey { self.sigma_t.x } else { pick_channel(self.sigma_t, throughput, rng.f32()) };
+        let sigma_t =
+            if self.grey { self.sigma_t.x } else { pick_channel(self.sigma_t, throughput, rng.f32()) };
         if sigma_t > 0.0 { -rng.open01().ln() / sigma_t } else { f32::INFINITY }
     }
 

@@ -192,20 +192,12 @@ pub(super) struct InteriorLight<'a, 'b> {
 }
 
 impl Connector for InteriorLight<'_, '_> {
-    fn scattered(
-        &mut self,
-        point: Vec3,
-        incoming: Vec3,
-        throughput: Vec3,
-        g: f32,
-        sampler: &mut Sampler,
-    ) {
+    fn scattered(&mut self, point: Vec3, incoming: Vec3, throughput: Vec3, g: f32, sampler: &mut Sampler) {
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
         let f = phase::eval(g, incoming.dot(light.direction));
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
-        let contribution =
-            throughput * light.radiance * (f * weight / light.pdf);
+        let contribution = throughput * light.radiance * (f * weight / light.pdf);
         if contribution.max_element() > 0.0 {
             let through =
                 self.tracer.transmittance(point, light.direction, light.distance, self.stack, sampler);

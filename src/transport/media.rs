@@ -39,7 +39,10 @@ pub enum Crossing {
 
 impl Default for MediumStack {
     fn default() -> Self {
-        Self { entries: [Enclosure { instance: u32::MAX, material: u32::MAX, rank: 0 }; Self::CAPACITY], len: 0 }
+        Self {
+            entries: [Enclosure { instance: u32::MAX, material: u32::MAX, rank: 0 }; Self::CAPACITY],
+            len: 0,
+        }
     }
 }
 

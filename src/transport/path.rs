@@ -101,9 +101,7 @@ impl PathTracer<'_> {
         let mut radiance = Vec3::ZERO;
         while path.events < self.options.max_depth {
             let alive = match self.advance(&mut path, &mut radiance, sampler) {
-                Arrival::Surface(hit) => {
-                    self.meet_surface(&hit, &mut path, &mut radiance, sampler)
-                }
+                Arrival::Surface(hit) => self.meet_surface(&hit, &mut path, &mut radiance, sampler),
                 Arrival::Exit(surface) => self.leave_below(&surface, &mut path, &mut radiance, sampler),
                 Arrival::Escaped => {
                     radiance += self.environment(&path);
@@ -200,13 +198,7 @@ impl PathTracer<'_> {
     }
 
     /// Shades a surface and chooses where the path goes on. False: it ends.
-    fn meet_surface(
-        &self,
-        hit: &Hit,
-        path: &mut Path,
-        radiance: &mut Vec3,
-        sampler: &mut Sampler,
-    ) -> bool {
+    fn meet_surface(&self, hit: &Hit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
         let surface = Surface::new(self.scene, hit);
         let material = self.scene.material(surface.material);
         let wo = -path.head.direction;
@@ -393,12 +385,8 @@ impl Path {
     }
 
     fn leave_surface(&mut self, surface: &Surface) {
-        self.head.position = offset_origin(
-            surface.position,
-            surface.error,
-            surface.geometric_normal,
-            self.head.direction,
-        );
+        self.head.position =
+            offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
         self.head.start = Some(Start {
             instance: surface.instance,
             triangle: surface.triangle,

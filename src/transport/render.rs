@@ -214,8 +214,7 @@ impl Job<'_> {
             surrounding,
             counters: Cell::new(tile.counters),
         };
-        let positions =
-            (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
+        let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
         for ((x, y), sum) in positions.zip(&mut tile.sums) {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {

@@ -93,7 +93,11 @@ pub fn subsurface(sigma_a: Vec3, sigma_s: Vec3, g: f32, ior: f32, roughness: f32
 }
 
 /// One mesh with one material at the origin.
-pub fn single(mesh: MeshDescription, material: MaterialDescription, environment: EnvironmentDescription) -> SceneDescription {
+pub fn single(
+    mesh: MeshDescription,
+    material: MaterialDescription,
+    environment: EnvironmentDescription,
+) -> SceneDescription {
     SceneDescription {
         meshes: vec![mesh],
         materials: vec![material],
@@ -111,7 +115,8 @@ pub fn place(mesh: usize, transform: Affine3A) -> InstanceDescription {
 /// Radiance `above` from the upper half of the sky, nothing from the lower one.
 pub fn sky_above(above: f32) -> EnvironmentDescription {
     const ROWS: usize = 512;
-    let pixels = (0..4 * ROWS).map(|i| if i / 4 < ROWS / 2 { Vec3::splat(above) } else { Vec3::ZERO }).collect();
+    let pixels =
+        (0..4 * ROWS).map(|i| if i / 4 < ROWS / 2 { Vec3::splat(above) } else { Vec3::ZERO }).collect();
     EnvironmentDescription::Map { width: 4, height: ROWS, pixels, scale: Vec3::ONE, rotation: 0.0 }
 }
 
@@ -167,9 +172,21 @@ impl Estimate {
         for c in 0..3 {
             let se = self.se[c].hypot(expected_se[c]).max(1e-6);
             let z = (self.mean[c] - expected[c]) / se;
-            println!("{what} [{c}]: {:.5} ± {:.5}, expected {:.5}, z {z:+.2}", self.mean[c], self.se[c], expected[c]);
-            assert!(self.se[c] <= 0.005 * expected[c].max(0.02), "{what} [{c}]: too noisy to tell: ± {}", self.se[c]);
-            assert!(z.abs() < 4.0, "{what} [{c}]: {} ± {se} is not {} (z {z:+.2})", self.mean[c], expected[c]);
+            println!(
+                "{what} [{c}]: {:.5} ± {:.5}, expected {:.5}, z {z:+.2}",
+                self.mean[c], self.se[c], expected[c]
+            );
+            assert!(
+                self.se[c] <= 0.005 * expected[c].max(0.02),
+                "{what} [{c}]: too noisy to tell: ± {}",
+                self.se[c]
+            );
+            assert!(
+                z.abs() < 4.0,
+                "{what} [{c}]: {} ± {se} is not {} (z {z:+.2})",
+                self.mean[c],
+                expected[c]
+            );
         }
     }
 }

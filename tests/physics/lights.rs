@@ -86,8 +86,12 @@ fn an_area_light_and_an_environment_give_their_irradiance() {
     let mut lamp = quad(0.5);
     lamp.triangle_materials = vec![1; 2];
     scene.meshes.push(lamp);
-    scene.materials.push(MaterialDescription { emission: Vec3::splat(5.0), base_color: Vec4::ZERO, ..Default::default() });
-    let flip = Affine3A::from_rotation_x(PI) ;
+    scene.materials.push(MaterialDescription {
+        emission: Vec3::splat(5.0),
+        base_color: Vec4::ZERO,
+        ..Default::default()
+    });
+    let flip = Affine3A::from_rotation_x(PI);
     scene.instances.push(place(1, Affine3A::from_translation(Vec3::Y) * flip));
     // Four right corners of half size a at height h: configuration factor of a rectangle above a differential element.
     let x = 0.5f32 / 1.0;

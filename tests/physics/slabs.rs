@@ -138,8 +138,8 @@ fn check(group: &Group, thickness: f32, spp: u32, what: &str) {
         let pick = |s: &Slab| if cosine == 1.0 { s.normal } else { s.oblique };
         for above in [true, false] {
             let direction = Vec3::new(sine, if above { -cosine } else { cosine }, 0.0);
-            let expected =
-                [0, 1, 2].map(|c| if above { pick(&group.channels[c]).0 } else { pick(&group.channels[c]).1 });
+            let expected = [0, 1, 2]
+                .map(|c| if above { pick(&group.channels[c]).0 } else { pick(&group.channels[c]).1 });
             if expected.iter().any(|&e| e < 1e-3) {
                 continue;
             }

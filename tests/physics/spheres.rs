@@ -70,8 +70,7 @@ fn spheres_return_the_light_they_should() {
         let radius = 0.02;
         let sigma_t = Vec3::from_array([0, 1, 2].map(|c| group.channels[c].optical_radius)) / radius;
         let albedo = Vec3::from_array([0, 1, 2].map(|c| group.channels[c].albedo));
-        let material =
-            subsurface(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, group.g, group.n, 0.0);
+        let material = subsurface(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, group.g, group.n, 0.0);
         let environment = EnvironmentDescription::Constant(Vec3::ONE);
         let mesh = icosphere(radius, LEVELS, false);
         let scene = Scene::build(single(mesh, material, environment)).expect("builds");
@@ -97,8 +96,7 @@ fn measure_stratified(scene: &Scene, options: &nephrite::transport::RenderOption
     }
     let n = means.len() as f64;
     let mean = [0, 1, 2].map(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
-    let se = [0, 1, 2].map(|c| {
-        (means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()
-    });
+    let se = [0, 1, 2]
+        .map(|c| (means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt());
     Estimate { mean, se }
 }

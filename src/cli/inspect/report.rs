@@ -6,12 +6,15 @@
 //! | `single_scattering_albedo` | α = σs / σt | survival at one event |
 //! | `effective_albedo` | ρ = (1 − s)(1 − 0.139 s) / (1 + 1.17 s), s = √((1 − α) / (1 − g α)) | diffuse reflectance of infinite depth without a boundary, van de Hulst's fit (Multiple Light Scattering, 1980, via Kulla and Conty 2017) |
 
-use crate::cli::pipeline::{Diagnostic, Loaded, Summary, open_edges};
+use crate::cli::pipeline::{Diagnostic, Loaded, Summary, topology};
+use crate::geometry::Topology;
 use crate::scene::{InstanceDescription, MediumDescription, SceneDescription};
-use glam::Vec3;
 use serde::Serialize;
 use std::collections::HashMap;
 use std::path::Path;
+
+/// Leaks told of one object.
+const MOST_LEAKS: usize = 4;
 
 /// Everything that `inspect` tells.
 #[derive(Debug, Serialize)]
@@ -48,20 +51,20 @@ pub(super) struct MediumReport {
 pub(super) struct ObjectReport {
     pub name: String,
     pub pointer: String,
+    /// Every part of it is closed, or is once the parts that face the wrong way have been turned.
     pub closed: bool,
+    /// Connected parts.
+    pub parts: usize,
+    /// Parts that are not closed.
+    pub open_parts: usize,
+    /// Parts that face the wrong way and are turned.
+    pub inside_out_parts: usize,
+    /// Edges of one triangle.
     pub open_edges: usize,
-    /// Where light leaks out, largest first.
-    pub holes: Vec<Hole>,
-}
-
-/// Connected open edges.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Hole {
-    /// Centre of its bounds, world metres.
-    pub center: [f32; 3],
-    /// Diagonal of its bounds, world metres.
-    pub size: f32,
-    pub edges: usize,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: usize,
+    /// A few of the places where light leaks out, world metres.
+    pub leaks: Vec<[f32; 3]>,
 }
 
 impl<'a> Report<'a> {
@@ -77,8 +80,8 @@ impl<'a> Report<'a> {
 }
 
 fn media(scene: &SceneDescription) -> Vec<MediumReport> {
-    // Open edges of each mesh that holds a medium, in its own space; found once however often it is placed.
-    let mut edges: HashMap<usize, Vec<[Vec3; 2]>> = HashMap::new();
+    // Found once for a mesh, however often it is placed.
+    let mut topologies: HashMap<usize, Topology> = HashMap::new();
     let mut reports = Vec::new();
     for (index, material) in scene.materials.iter().enumerate() {
         let Some(medium) = &material.medium else { continue };
@@ -86,8 +89,8 @@ fn media(scene: &SceneDescription) -> Vec<MediumReport> {
         for instance in &scene.instances {
             let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
             if mesh.triangle_materials.iter().any(|&m| m as usize == index) {
-                let open = edges.entry(instance.mesh).or_insert_with(|| open_edges(mesh));
-                objects.push(object(instance, open));
+                let topology = topologies.entry(instance.mesh).or_insert_with(|| topology(mesh));
+                objects.push(object(instance, topology));
             }
         }
         reports.push(MediumReport {
@@ -126,64 +129,26 @@ fn effective_albedo(albedo: f32, g: f32) -> f32 {
     (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
 }
 
-fn object(instance: &InstanceDescription, open: &[[Vec3; 2]]) -> ObjectReport {
-    let placed: Vec<[Vec3; 2]> =
-        open.iter().map(|edge| edge.map(|point| instance.transform.transform_point3(point))).collect();
+fn object(instance: &InstanceDescription, topology: &Topology) -> ObjectReport {
+    let parts = &topology.components;
+    let leaks = parts.iter().filter(|part| !part.closable).flat_map(|part| &part.leaks);
     ObjectReport {
         name: instance.name.clone(),
         pointer: instance.pointer.clone(),
-        closed: open.is_empty(),
-        open_edges: open.len(),
-        holes: holes(&placed),
+        closed: !parts.is_empty() && parts.iter().all(|part| part.closable),
+        parts: parts.len(),
+        open_parts: parts.iter().filter(|part| !part.closable).count(),
+        inside_out_parts: parts.iter().filter(|part| part.inside_out).count(),
+        open_edges: parts.iter().map(|part| part.open_edges).sum(),
+        non_manifold_edges: parts.iter().map(|part| part.non_manifold_edges).sum(),
+        leaks: leaks.take(MOST_LEAKS).map(|&p| instance.transform.transform_point3(p).to_array()).collect(),
     }
-}
-
-/// Groups edges that share end points.
-fn holes(edges: &[[Vec3; 2]]) -> Vec<Hole> {
-    let key = |point: Vec3| point.to_array().map(|c| (c + 0.0).to_bits());
-    let mut group: Vec<usize> = (0..edges.len()).collect();
-    fn root(group: &mut [usize], mut i: usize) -> usize {
-        while group[i] != i {
-            group[i] = group[group[i]];
-            i = group[i];
-        }
-        i
-    }
-    let mut first_at = HashMap::new();
-    for (i, edge) in edges.iter().enumerate() {
-        for &point in edge {
-            let other = *first_at.entry(key(point)).or_insert(i);
-            let (a, b) = (root(&mut group, i), root(&mut group, other));
-            group[a.max(b)] = a.min(b);
-        }
-    }
-    let mut bounds: Vec<(usize, Vec3, Vec3, usize)> = Vec::new();
-    let mut index = HashMap::new();
-    for (i, edge) in edges.iter().enumerate() {
-        let hole = *index.entry(root(&mut group, i)).or_insert_with(|| {
-            bounds.push((0, Vec3::INFINITY, Vec3::NEG_INFINITY, i));
-            bounds.len() - 1
-        });
-        let (count, min, max, _) = &mut bounds[hole];
-        *count += 1;
-        *min = min.min(edge[0]).min(edge[1]);
-        *max = max.max(edge[0]).max(edge[1]);
-    }
-    let mut holes: Vec<Hole> = bounds
-        .into_iter()
-        .map(|(edges, min, max, _)| Hole {
-            center: (0.5 * (min + max)).to_array(),
-            size: min.distance(max),
-            edges,
-        })
-        .collect();
-    holes.sort_by(|a, b| b.size.total_cmp(&a.size));
-    holes
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     #[test]
     fn the_effective_albedo_is_that_of_the_published_fit() {
@@ -209,19 +174,5 @@ mod tests {
         assert_eq!(report.mean_free_path, [None, Some(0.25), None]);
         assert_eq!(report.single_scattering_albedo, [None, Some(0.75), None]);
         assert!(serde_json::to_string(&report).unwrap().contains("\"mean_free_path\":[null,0.25,null]"));
-    }
-
-    #[test]
-    fn two_holes_are_two_and_the_larger_comes_first() {
-        let square = |at: Vec3, side: f32| {
-            let c = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y].map(|p| at + p * side);
-            [[c[0], c[1]], [c[1], c[2]], [c[2], c[3]], [c[3], c[0]]]
-        };
-        let edges = [square(Vec3::ZERO, 1.0), square(Vec3::splat(10.0), 2.0)].concat();
-        let holes = holes(&edges);
-        assert_eq!(holes.len(), 2);
-        assert_eq!(holes[0].center, [11.0, 11.0, 10.0]);
-        assert_eq!((holes[0].edges, holes[1].edges), (4, 4));
-        assert!((holes[1].size - 2f32.sqrt()).abs() < 1e-6);
     }
 }

@@ -114,14 +114,36 @@ fn describe_medium(out: &mut String, medium: &MediumReport) -> std::fmt::Result 
 }
 
 fn closedness(object: &ObjectReport) -> String {
-    let Some(largest) = object.holes.first() else { return "closed".to_owned() };
-    let [x, y, z] = largest.center.map(number);
-    format!(
-        "NOT CLOSED, light leaks out at {} in {}; the largest is {} across, around ({x}, {y}, {z})",
-        count(object.open_edges, "open edge", "open edges"),
-        count(object.holes.len(), "hole", "holes"),
-        length(largest.size)
-    )
+    if object.closed {
+        return match object.inside_out_parts {
+            0 => "closed".to_owned(),
+            n => format!("closed; {} inside out and turned", count(n, "part is", "parts are")),
+        };
+    }
+    let mut why = Vec::new();
+    if object.open_edges > 0 {
+        why.push(count(object.open_edges, "open edge", "open edges"));
+    }
+    if object.non_manifold_edges > 0 {
+        why.push(count(
+            object.non_manifold_edges,
+            "edge of three or more triangles",
+            "edges of three or more triangles",
+        ));
+    }
+    if why.is_empty() {
+        why.push("triangles that face different ways".to_owned());
+    }
+    let around = match object.leaks.first() {
+        Some(place) => {
+            let [x, y, z] = place.map(number);
+            format!(", such as at ({x}, {y}, {z})")
+        }
+        None => String::new(),
+    };
+    let why = why.join(" and ");
+    let parts = count(object.parts, "part", "parts");
+    format!("NOT CLOSED, light leaks out: {why} in {} of {parts}{around}", object.open_parts)
 }
 
 fn ignored(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
