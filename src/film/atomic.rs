@@ -46,7 +46,14 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     // Temporary files are private by default; a picture gets what the umask allows, like any other new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory_of(target))
+    builder.tempfile_in(directory_of(target)).map_err(without_path)
+}
+
+/// The system's own error, without the temporary name that nobody asked for.
+fn without_path(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(std::error::Error::source);
+    let code = inner.and_then(|e| e.downcast_ref::<io::Error>()).and_then(io::Error::raw_os_error);
+    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 #[cfg(test)]

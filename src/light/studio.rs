@@ -80,12 +80,15 @@ const LAMPS: [Lamp; 5] = [
 pub fn studio() -> EnvironmentDescription {
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
     let (mut sum, mut weight) = (0.0f64, 0.0f64);
+    let lamps = LAMPS.map(PlacedLamp::new);
     for row in 0..HEIGHT {
         let elevation = PI * (0.5 - (row as f32 + 0.5) / HEIGHT as f32);
         for column in 0..WIDTH {
             let phi = TAU * ((column as f32 + 0.5) / WIDTH as f32 - 0.5);
             let direction = vec3(phi.cos() * elevation.cos(), elevation.sin(), phi.sin() * elevation.cos());
-            let radiance = radiance(direction);
+            let radiance = lamps
+                .iter()
+                .fold(backdrop(direction.y), |sum, lamp| sum + lamp.lamp.radiance * lamp.shape(direction));
             sum += f64::from(radiance.element_sum() / 3.0 * elevation.cos());
             weight += f64::from(elevation.cos());
             pixels.push(radiance);
@@ -98,11 +101,6 @@ pub fn studio() -> EnvironmentDescription {
     EnvironmentDescription::Map { width: WIDTH, height: HEIGHT, pixels, scale: Vec3::ONE, rotation: 0.0 }
 }
 
-/// Radiance from a unit direction, before the map is brought to its mean.
-fn radiance(direction: Vec3) -> Vec3 {
-    LAMPS.iter().fold(backdrop(direction.y), |sum, lamp| sum + lamp.radiance * lamp.shape(direction))
-}
-
 /// The set without lamps: a dim wall that is darkest a little above the horizon and a floor that brightens towards
 /// the nadir.
 fn backdrop(y: f32) -> Vec3 {
@@ -111,24 +109,40 @@ fn backdrop(y: f32) -> Vec3 {
     Vec3::splat(0.19) + vec3(0.255, 0.25, 0.24) * floor + vec3(0.10, 0.105, 0.11) * ceiling
 }
 
-impl Lamp {
-    /// 1 in the middle, 0 beyond the edge. The direction is measured in the lamp's own frame as the two angles by
-    /// which it leaves the axis sideways and upwards.
-    fn shape(&self, direction: Vec3) -> f32 {
-        let (sin_a, cos_a) = self.azimuth.to_radians().sin_cos();
-        let (sin_e, cos_e) = self.elevation.to_radians().sin_cos();
+/// A lamp in its own frame.
+struct PlacedLamp {
+    lamp: Lamp,
+    axis: Vec3,
+    right: Vec3,
+    up: Vec3,
+    /// Cosine of the angle from the axis to the corners, beyond which there is no light.
+    min_forward: f32,
+}
+
+impl PlacedLamp {
+    fn new(lamp: Lamp) -> Self {
+        let (sin_a, cos_a) = lamp.azimuth.to_radians().sin_cos();
+        let (sin_e, cos_e) = lamp.elevation.to_radians().sin_cos();
         let axis = vec3(sin_a * cos_e, sin_e, cos_a * cos_e);
         let right = vec3(cos_a, 0.0, -sin_a);
-        let up = axis.cross(right);
-        let forward = direction.dot(axis);
-        if forward <= 0.0 {
+        let corner = lamp.half_size.map(|angle| angle.to_radians().tan());
+        let min_forward = 1.0 / (1.0 + corner[0] * corner[0] + corner[1] * corner[1]).sqrt();
+        Self { axis, right, up: axis.cross(right), min_forward, lamp }
+    }
+
+    /// 1 in the middle, 0 beyond the edge. The direction is measured as the two angles by which it leaves the axis
+    /// sideways and upwards.
+    fn shape(&self, direction: Vec3) -> f32 {
+        let forward = direction.dot(self.axis);
+        if forward < self.min_forward {
             return 0.0;
         }
-        let across = direction.dot(right).atan2(forward).to_degrees().abs() - self.half_size[0] + self.edge;
-        let along = direction.dot(up).atan2(forward).to_degrees().abs() - self.half_size[1] + self.edge;
+        let Lamp { half_size, edge, .. } = self.lamp;
+        let across = direction.dot(self.right).atan2(forward).to_degrees().abs() - half_size[0] + edge;
+        let along = direction.dot(self.up).atan2(forward).to_degrees().abs() - half_size[1] + edge;
         let outside = across.max(0.0).hypot(along.max(0.0));
-        let centre_weight = 1.0 - 0.25 * (1.0 - forward).min(1.0);
-        centre_weight * smoothstep(self.edge, 0.0, outside)
+        let falloff = 1.0 - 0.25 * (1.0 - forward);
+        falloff * smoothstep(edge, 0.0, outside)
     }
 }
 
