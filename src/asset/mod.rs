@@ -39,8 +39,6 @@ mod uri;
 
 use std::path::Path;
 
-use serde_json::Value;
-
 pub use accessor::{Accessor, Component};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
@@ -146,7 +144,7 @@ pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Resul
     let extensions = loader.extensions()?;
     loader.read()?;
     loader.decode_images()?;
-    loader.afterthoughts();
+    loader.afterthoughts()?;
     let summary = Summary::new(&loader, extensions);
     let (scene, diagnostics) = loader.finish();
     Ok(Loaded { scene, diagnostics, summary })
@@ -250,7 +248,7 @@ impl<'a> Loader<'a> {
     }
 
     /// What is worth telling once everything has been read.
-    fn afterthoughts(&mut self) {
+    fn afterthoughts(&mut self) -> Result<(), AssetError> {
         if self.scene.instances.is_empty() {
             self.warn("", "there is nothing to see in the scene", None);
         }
@@ -258,8 +256,44 @@ impl<'a> Loader<'a> {
         if collapsed > 0 {
             self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
         }
-        if self.document.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()) {
+        if self.count("animations") > 0 {
             self.note("/animations", "animations are not played; the scene is shown as it is at rest");
         }
+        for index in 0..self.count("animations") {
+            if let Err(e) = self.check_animation(index) {
+                let pointer = e.pointer().to_owned();
+                let text = e.to_string();
+                let text = text.strip_prefix(&format!("{pointer}: ")).unwrap_or(&text);
+                self.invalid(&pointer, text)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an animation, although it is not played, refers to what is there.
+    fn check_animation(&self, index: usize) -> Result<(), AssetError> {
+        let json = self.entry("animations", index, "/animations")?;
+        let samplers = json.array("samplers")?;
+        for sampler in &samplers {
+            for key in ["input", "output"] {
+                if let Some(accessor) = sampler.usize(key)? {
+                    self.entry("accessors", accessor, &sampler.pointer_to(key))?;
+                }
+            }
+        }
+        for channel in json.array("channels")? {
+            if channel.usize("sampler")?.is_none_or(|s| s >= samplers.len()) {
+                return Err(channel.error_at("sampler", "there is no such sampler"));
+            }
+            if let Some(target) = channel.object("target")?
+                && let Some(node) = target.usize("node")?
+            {
+                self.entry("nodes", node, &target.pointer_to("node"))?;
+            }
+        }
+        Ok(())
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -206,7 +206,12 @@ impl Loader<'_> {
                 missing.push(name.clone());
             } else if !supported {
                 let pointer = if pointer.is_empty() { "/extensionsUsed" } else { &pointer };
-                self.note(pointer, format!("{name} is not supported and is ignored"));
+                let message = format!("{name} is not supported and is ignored");
+                if name.starts_with("KHR_materials_") {
+                    self.warn(pointer, message, Some("the material will look different from what was meant"));
+                } else {
+                    self.note(pointer, message);
+                }
             } else if let Some(shortfall) = &ignored {
                 self.note(&pointer, format!("{name}: {shortfall}"));
             }

@@ -9,14 +9,17 @@
 //! [`LoadOptions`](crate::asset::LoadOptions). An extension of the same name replaces the one that was there.
 
 mod emissive_strength;
+mod gpu_instancing;
 mod ior;
 mod lights_punctual;
 mod mesh_quantization;
+mod node_visibility;
 mod specular;
 mod subsurface;
 mod texture_transform;
 mod transmission;
 mod unlit;
+mod variants;
 mod volume;
 
 use std::sync::Arc;
@@ -189,15 +192,18 @@ impl Registry {
     /// The extensions of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::empty();
-        let table: [Box<dyn Extension>; 10] = [
+        let table: [Box<dyn Extension>; 13] = [
             Box::new(emissive_strength::EmissiveStrength),
+            Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
             Box::new(lights_punctual::LightsPunctual),
             Box::new(mesh_quantization::MeshQuantization),
+            Box::new(node_visibility::NodeVisibility),
             Box::new(specular::Specular),
             Box::new(texture_transform::TextureTransform),
             Box::new(transmission::Transmission),
             Box::new(unlit::Unlit),
+            Box::new(variants::Variants),
             Box::new(volume::Volume),
             Box::new(subsurface::Subsurface),
         ];
@@ -236,3 +242,6 @@ impl std::fmt::Debug for Registry {
         f.debug_list().entries(self.iter().map(Extension::name)).finish()
     }
 }
+
+#[cfg(test)]
+mod tests;
