@@ -14,6 +14,7 @@ mod ior;
 mod lights_punctual;
 mod mesh_quantization;
 mod node_visibility;
+mod scatter;
 mod specular;
 mod subsurface;
 mod texture_transform;
@@ -192,7 +193,7 @@ impl Registry {
     /// The extensions of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::empty();
-        let table: [Box<dyn Extension>; 13] = [
+        let table: [Box<dyn Extension>; 15] = [
             Box::new(emissive_strength::EmissiveStrength),
             Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
@@ -205,6 +206,8 @@ impl Registry {
             Box::new(unlit::Unlit),
             Box::new(variants::Variants),
             Box::new(volume::Volume),
+            Box::new(scatter::VolumeScatter),
+            Box::new(scatter::Scatter),
             Box::new(subsurface::Subsurface),
         ];
         for extension in table {

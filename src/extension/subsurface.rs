@@ -26,6 +26,9 @@ const PROPERTIES: [&str; 10] = [
     "extras",
 ];
 
+/// The index where nothing states one.
+const DEFAULT_IOR: f32 = 1.5;
+
 /// Below this linear base colour a warning says that every crossing of the boundary is tinted.
 const NEARLY_WHITE: f32 = 0.8;
 
@@ -60,15 +63,14 @@ impl Extension for Subsurface {
         let density = non_negative(own, "densityFactor", own.f64("densityFactor")?.unwrap_or(1.0))?;
         let sigma_a = coefficient(own, "absorptionCoefficient", density)?;
         let sigma_s = coefficient(own, "scatteringCoefficient", density)?;
-        let ior = index(own, material, out)?;
+        let ior = index(loader, own, material, out)?;
         let priority = priority(own)?;
         let anisotropy = anisotropy(own)?;
         let mut slot = |key| loader.texture_slot(own, key, ColorSpace::Linear);
         let absorption_texture = slot("absorptionTexture")?;
         let scattering_texture = slot("scatteringTexture")?;
         out.ior = ior;
-        let stated = material.extension(transmission::NAME).and_then(|t| t.get("transmissionFactor"));
-        if stated.is_none() {
+        if material.extension(transmission::NAME).is_none() {
             out.transmission = 1.0;
         }
         warn(loader, own, material, out);
@@ -107,18 +109,24 @@ fn coefficient(own: &Json<'_>, key: &str, density: f64) -> Result<Vec3, AssetErr
 }
 
 /// The extension's own index, else that of `KHR_materials_ior`, else 1.5.
-fn index(own: &Json<'_>, material: &Json<'_>, out: &MaterialDescription) -> Result<f32, AssetError> {
+fn index(
+    loader: &mut Loader<'_>,
+    own: &Json<'_>,
+    material: &Json<'_>,
+    out: &MaterialDescription,
+) -> Result<f32, AssetError> {
     if let Some(ior) = own.f64("ior")? {
         if ior < 1.0 {
             return Err(own.error_at("ior", format!("{ior} is below 1")));
         }
         return Ok(ior as f32);
     }
-    let other = material.extension(ior::NAME);
-    if let Some(other) = other.filter(|o| o.f64("ior").is_ok_and(|ior| ior.is_some_and(|ior| ior < 1.0))) {
-        return Err(other
-            .error_at("ior", "below 1, which cannot be the index of a medium")
-            .with_advice(format!("give {NAME} an `ior` of its own")));
+    if let Some(other) = material.extension(ior::NAME)
+        && other.f64("ior")?.is_some_and(|ior| ior < 1.0)
+    {
+        let message = format!("is not the index of a medium; {DEFAULT_IOR} is used");
+        loader.warn(&other.pointer_to("ior"), message, Some("give the medium an `ior` of its own"));
+        return Ok(DEFAULT_IOR);
     }
     Ok(out.ior)
 }
@@ -162,7 +170,11 @@ fn warn(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>, out: &Mate
         loader.warn(own.pointer(), "KHR_materials_unlit hides the medium", None);
     }
     if out.transmission == 0.0 {
-        loader.warn(own.pointer(), "a transmissionFactor of 0 hides the medium", None);
+        loader.warn(
+            own.pointer(),
+            "the transmissionFactor of 0 (which is its default) hides the medium",
+            None,
+        );
     }
     if out.medium.is_some() {
         loader.note(own.pointer(), format!("{NAME} replaces the material's other medium"));
