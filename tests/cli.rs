@@ -173,3 +173,170 @@ fn inspect_speaks_to_people_and_programs() {
     assert_eq!(report["file"], "a.gltf");
     assert!(report["media"].is_array() && report["diagnostics"].is_array(), "{report}");
 }
+
+#[test]
+fn errors_name_the_place_in_the_asset_and_what_to_do() {
+    let sandbox = Sandbox::new();
+    let material = |properties: &str| {
+        format!(
+            r#""extensionsUsed": ["NEPHRITE_materials_subsurface"],
+            "materials": [{{ "extensions": {{ "NEPHRITE_materials_subsurface": {{ {properties} }} }} }}],"#
+        )
+    };
+    sandbox.file("ior.gltf", triangle(&material(r#""ior": 0.5"#)));
+    sandbox.file("typo.gltf", triangle(&material(r#""scatteringCoeficient": [1, 1, 1]"#)));
+    sandbox.file(
+        "needs.gltf",
+        triangle(r#""extensionsUsed": ["EXT_magic"], "extensionsRequired": ["EXT_magic"],"#),
+    );
+    let render = ["-o", "a.png", "--size", "8x8", "--spp", "1"];
+    let with = |file, more: &[&'static str]| [&["render", file], &render[..], more].concat();
+    let pointer = "/materials/0/extensions/NEPHRITE_materials_subsurface";
+    sandbox.run(&with("ior.gltf", &[])).exits(1).says(&["ior.gltf", &format!("{pointer}/ior"), "0.5"]);
+    sandbox.run(&with("needs.gltf", &[])).exits(1).says(&["/extensionsRequired", "EXT_magic", "help:"]);
+    sandbox
+        .run(&with("typo.gltf", &["--strict"]))
+        .exits(1)
+        .says(&["error:", &format!("{pointer}/scatteringCoeficient")]);
+    sandbox.run(&with("ior.gltf", &["--scene", "3"])).exits(1).says(&["scene 3"]);
+    assert!(!sandbox.files().contains(&"a.png".to_owned()), "nothing was rendered");
+    sandbox.run(&with("typo.gltf", &["--quiet"])).exits(0).says(&["warning:", "scatteringCoeficient"]);
+}
+
+/// Cameras named Front and Side before the triangle, the second one orthographic, seen from +Z.
+const CAMERAS: &str = r#""cameras": [
+    { "type": "perspective", "name": "Front", "perspective": { "yfov": 1.0, "znear": 0.1, "aspectRatio": 2.0 } },
+    { "type": "orthographic", "name": "Side", "orthographic": { "xmag": 3, "ymag": 3, "znear": 0, "zfar": 9 } }],"#;
+
+fn with_cameras() -> String {
+    triangle(CAMERAS).replace(r#""nodes": [0] "#, r#""nodes": [0, 1, 2] "#).replace(
+        r#""name": "Triangle" }"#,
+        r#""name": "Triangle" },
+            { "camera": 0, "translation": [0, 0, 4] }, { "camera": 1, "translation": [0, 0, 4] }"#,
+    )
+}
+
+#[test]
+fn cameras_are_chosen_by_name_or_index_and_set_the_default_aspect() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", with_cameras());
+    let pixels = |camera: &str| {
+        let args = ["render", "a.gltf", "-o", "a.exr", "--size", "24x24", "--spp", "1", "--camera", camera];
+        sandbox.run(&args).exits(0);
+        exr_channel(&sandbox.path("a.exr"), "R")
+    };
+    let (front, side) = (pixels("Front"), pixels("Side"));
+    assert_ne!(front, side);
+    assert_eq!((pixels("0"), pixels("1")), (front, side));
+    let args = ["render", "a.gltf", "-o", "b.png", "--spp", "1", "--camera", "Frnt"];
+    sandbox.run(&args).exits(1).says(&["did you mean Front? known: Front, Side", "0 to 1"]);
+    sandbox.run(&["render", "a.gltf", "-o", "b.png", "--spp", "1"]).exits(0).says(&["1024 × 512"]);
+}
+
+#[test]
+fn an_environment_is_seen_where_the_convention_says() {
+    let sandbox = Sandbox::new();
+    // Nothing in the way: the picture is the environment, seen along −Z.
+    sandbox.file("a.gltf", with_cameras().replace(r#""nodes": [0, 1, 2] "#, r#""nodes": [1] "#));
+    // Sixteen columns; the direction −Z has u = ¼, +X has u = ½. Rows brighten towards the top.
+    let texel = |column: usize, row: usize| (1 + column) as f32 * if row == 0 { 100.0 } else { 1.0 };
+    let values: Vec<f32> = (0..8).flat_map(|row| (0..16).map(move |column| texel(column, row))).collect();
+    let channels = ["B", "G", "R"]
+        .map(|name| exr::prelude::AnyChannel::new(name, exr::prelude::FlatSamples::F32(values.clone())));
+    let image = exr::prelude::Image::from_channels(
+        (16, 8),
+        exr::prelude::AnyChannels::sort(channels.into_iter().collect()),
+    );
+    exr::prelude::WritableImage::write(&image).to_file(sandbox.path("sky.exr")).unwrap();
+    let center = |more: &[&str]| {
+        let args = [
+            "render", "a.gltf", "-o", "a.exr", "--size", "9x9", "--spp", "16", "--float", "--env", "sky.exr",
+        ];
+        sandbox.run(&[&args, more].concat()).exits(0);
+        exr_channel(&sandbox.path("a.exr"), "R")[40]
+    };
+    // Between the fourth and the fifth column; turning the map by 90° brings what was at +X, between the eighth and
+    // the ninth, to −Z.
+    let (plain, turned, twice) =
+        (center(&[]), center(&["--env-rotation", "90"]), center(&["--env-intensity", "2"]));
+    assert!((4.0..=5.0).contains(&plain), "{plain}");
+    assert!((8.0..=9.0).contains(&turned), "{turned}");
+    assert!((twice - 2.0 * plain).abs() < 1e-5 * plain, "{twice} {plain}");
+    // The top of the picture is nearer to the top of the map.
+    let picture = exr_channel(&sandbox.path("a.exr"), "R");
+    assert!(picture.iter().all(|v| v.is_finite()));
+    sandbox
+        .run(&[
+            "render",
+            "a.gltf",
+            "-o",
+            "c.exr",
+            "--size",
+            "4x4",
+            "--spp",
+            "1",
+            "--float",
+            "--env",
+            "0.25,0.5,1",
+        ])
+        .exits(0);
+    for (name, value) in [("R", 0.25), ("G", 0.5), ("B", 1.0)] {
+        assert_eq!(exr_channel(&sandbox.path("c.exr"), name), [value; 16]);
+    }
+    sandbox
+        .run(&["render", "a.gltf", "-o", "d.exr", "--size", "4x4", "--spp", "1", "--env", "none"])
+        .exits(0);
+    assert_eq!(exr_channel(&sandbox.path("d.exr"), "G"), [0.0; 16]);
+}
+
+#[test]
+fn pictures_say_how_they_were_made() {
+    let sandbox = Sandbox::new();
+    sandbox.file("Schüssel.gltf", triangle(""));
+    let args = [
+        "render",
+        "Schüssel.gltf",
+        "-o",
+        "a.exr",
+        "-o",
+        "a.png",
+        "--size",
+        "8x6",
+        "--spp",
+        "2",
+        "--seed",
+        "7",
+    ];
+    sandbox.run(&args).exits(0);
+    let image = exr::prelude::read_first_flat_layer_from_file(sandbox.path("a.exr")).unwrap();
+    let attribute = |name: &str| match &image.layer_data.attributes.other[&exr::prelude::Text::from(name)] {
+        exr::prelude::AttributeValue::Text(text) => String::from_utf8(text.as_slice().to_vec()).unwrap(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(attribute("nephrite:scene"), "Schüssel.gltf");
+    assert_eq!((attribute("nephrite:spp").as_str(), attribute("nephrite:seed").as_str()), ("2", "7"));
+    assert_eq!(attribute("nephrite:version"), env!("CARGO_PKG_VERSION"));
+    let options: serde_json::Value = serde_json::from_str(&attribute("nephrite:options")).unwrap();
+    assert_eq!(options["size"], serde_json::json!([8, 6]));
+    assert_eq!((&options["env"], &options["subsurface"]), (&"studio".into(), &"random-walk".into()));
+    assert!(options.get("tonemap").is_none());
+
+    let file = std::io::BufReader::new(std::fs::File::open(sandbox.path("a.png")).unwrap());
+    let reader = png::Decoder::new(file).read_info().unwrap();
+    let keywords: Vec<&str> = reader.info().utf8_text.iter().map(|text| text.keyword.as_str()).collect();
+    assert_eq!(
+        keywords,
+        ["scene", "options", "spp", "seed", "version"].map(|name| format!("nephrite:{name}"))
+    );
+}
+
+#[test]
+fn a_file_with_nothing_to_see_renders_its_surroundings() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", r#"{ "asset": { "version": "2.0" } }"#);
+    sandbox
+        .run(&["render", "a.gltf", "-o", "a.png", "--size", "8x8", "--spp", "1"])
+        .exits(0)
+        .says(&["warning:"]);
+    assert_eq!(sandbox.files(), ["a.gltf", "a.png"]);
+}

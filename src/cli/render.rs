@@ -265,7 +265,7 @@ impl Measured {
             "load_seconds": self.load,
             "build_seconds": self.build,
             "render_seconds": self.render,
-            "render_cpu_seconds": self.render_cpu,
+            "render_cpu_seconds": self.render_cpu.map(|seconds| (seconds * 100.0).round() / 100.0),
             "write_seconds": self.write,
             "rays": rendered.stats.rays,
             "counters": counters,
