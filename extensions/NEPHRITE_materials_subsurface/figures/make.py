@@ -72,7 +72,7 @@ def main():
         (x0, y0), (x1, y1) = place(v, 0).split(","), place(0, v).split(",")
         svg.append(f'<path d="M{place(v, 0)} L{place(v, 1)} M{place(0, v)} L{place(1, v)}" stroke="#ddd"/>')
         svg.append(f'<text x="{x0}" y="{float(y0) + 18}" text-anchor="middle">{v:.1f}</text><text x="{float(x1) - 8}" y="{float(y1) + 4}" text-anchor="end">{v:.1f}</text>')
-    rho = np.linspace(0, 0.98, 99)
+    rho = np.linspace(0, 0.96, 97)
     for eta, color in ((1.0, "#888"), (1.33, "#2a7fb8"), (1.5, "#1c8a5a")):
         share = orders(eta)
         reflectance = lambda a: float(np.polynomial.polynomial.polyval(a, share))
