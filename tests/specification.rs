@@ -1,8 +1,12 @@
 //! The written specification holds together: examples, assets, schema, property table and test vectors agree.
 //!
 //! Every fenced JSON block of the specification is preceded by a comment that names a complete asset; the block is the
-//! beginning of that asset's materials. [`example_assets`] lists the assets, for tests that render them.
+//! beginning of that asset's materials. Every asset is rendered, with the extension and without it.
 
+use nephrite::asset::{self, LoadOptions};
+use nephrite::film::Film;
+use nephrite::scene::Scene;
+use nephrite::transport::{self, RenderOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
@@ -278,5 +282,43 @@ fn half_space_table_is_that_of_the_file() {
     for case in document("test-vectors.json")["halfSpace"]["cases"].as_array().expect("cases") {
         let pair = format!("{}, {}", case["perpendicular"], case["diffuse"]);
         assert!(readme.contains(&pair), "README.md lacks {pair}");
+    }
+}
+
+/// A small picture of an asset.
+fn picture(document: &Value, source: &str) -> Film {
+    let bytes = serde_json::to_vec(document).expect("JSON");
+    let loaded = asset::load_bytes(bytes, &folder().join("examples"), &LoadOptions::default())
+        .unwrap_or_else(|error| panic!("{source}: {error}"));
+    let camera = loaded.scene.cameras.first().unwrap_or_else(|| panic!("{source} has no camera")).clone();
+    let scene = Scene::build(loaded.scene).unwrap_or_else(|error| panic!("{source}: {error}"));
+    let options = RenderOptions {
+        width: 32,
+        height: 24,
+        spp: 16,
+        seed: 1,
+        threads: 0,
+        camera,
+        subsurface: "random-walk".to_string(),
+        max_depth: 100_000,
+        microfacet: Default::default(),
+    };
+    transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).film
+}
+
+#[test]
+fn every_example_renders_and_the_extension_does_something() {
+    for source in example_assets() {
+        let with = document(&source);
+        let mut without = with.clone();
+        for material in without["materials"].as_array_mut().expect("materials") {
+            if let Some(extensions) = material.get_mut("extensions").and_then(Value::as_object_mut) {
+                extensions.retain(|name, _| name == "KHR_materials_emissive_strength");
+            }
+        }
+        let [with, without] = [with, without].map(|document| picture(&document, &source).mean());
+        assert!(with.iter().all(|mean| mean.is_finite() && *mean > 0.01), "{source}: mean radiance {with:?}");
+        let apart = with.iter().zip(&without).any(|(a, b)| (a - b).abs() > 0.01 * b);
+        assert!(apart, "{source}: {with:?} with the extension, {without:?} without it");
     }
 }

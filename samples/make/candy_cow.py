@@ -6,7 +6,7 @@ import numpy as np
 from kit import gltf_subsurface, media, noise, paint, shapes, studio
 
 COPYRIGHT = "Scene: CC0-1.0. Cow: \"Spot\" by Keenan Crane, CC0-1.0"
-CHOCOLATE = media.Medium((120.0, 260.0, 480.0), (1150.0, 1100.0, 1050.0), ior=1.46)
+CHOCOLATE = media.Medium((150.0, 290.0, 480.0), (680.0, 660.0, 640.0), ior=1.46)
 # fractions of the absorption above: white chocolate, dark chocolate, strawberry
 WHITE, DARK, ROSE = np.array((0.035, 0.035, 0.08)), np.array((1.0, 1.0, 1.0)), np.array((0.06, 0.3, 0.14))
 HEIGHT, YAW = 0.058, 148

@@ -43,7 +43,7 @@ def build(_meshes):
     studio.panel("key", (-0.24, -0.24, 0.28), (0, 0, 0.04), 0.22, (5.4, 5.3, 5.1))
     studio.panel("strip", (0.28, -0.06, 0.14), (0, 0, 0.05), (0.06, 0.3), (5.0, 5.2, 5.6))
     studio.panel("back light", (0.1, 0.24, 0.24), (0, 0, 0.05), 0.12, (8.0, 7.6, 7.0))
-    studio.camera((0.10, -0.40, 0.105), (0.0, 0, 0.048), 112)
+    studio.camera((0.10, -0.40, 0.105), (0.0, 0, 0.0485), 100)
 
 
 def turned(name, at, points, rounding, material, turn=(0, 0, 0)):
