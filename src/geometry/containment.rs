@@ -40,7 +40,8 @@ impl MeshGeometry {
         counts: impl Fn(u32) -> bool,
     ) -> i32 {
         self.intersect_all(&Ray::new(p, direction), hits);
-        let sign = |hit: &MeshHit| if self.geometric_normal(hit.triangle).dot(direction) > 0.0 { 1 } else { -1 };
+        let sign =
+            |hit: &MeshHit| if self.geometric_normal(hit.triangle).dot(direction) > 0.0 { 1 } else { -1 };
         hits.iter().filter(|hit| counts(hit.triangle)).map(sign).sum()
     }
 }

@@ -32,6 +32,7 @@ pub(super) trait Lanes: Copy {
     fn le(self, b: Self) -> Self::Mask;
     /// `a` where the mask is set, `b` elsewhere.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Lane i as bit i.
     fn bits(mask: Self::Mask) -> u32;
 }
@@ -110,6 +111,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
         Self(std::array::from_fn(|i| if mask[i] { a.0[i] } else { b.0[i] }))
+    }
+    #[inline(always)]
+    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        std::array::from_fn(|i| a[i] & b[i])
     }
     #[inline(always)]
     fn bits(mask: Self::Mask) -> u32 {
@@ -200,6 +205,10 @@ mod avx2 {
         #[inline(always)]
         fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
             Self(unsafe { _mm256_blendv_ps(b.0, a.0, mask) })
+        }
+        #[inline(always)]
+        fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+            unsafe { _mm256_and_ps(a, b) }
         }
         #[inline(always)]
         fn bits(mask: Self::Mask) -> u32 {

@@ -44,13 +44,10 @@ impl MeshGeometry {
         let corners: Vec<Option<[Vec3; 3]>> = triangles.par_iter().map(corners).collect();
         let dropped = corners.iter().filter(|c| c.is_none()).count();
         let vertices: Vec<[Vec3; 3]> = corners.par_iter().map(|c| c.unwrap_or_default()).collect();
-        let normals: Vec<Vec3> = vertices
-            .par_iter()
-            .map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) })
-            .collect();
+        let normals: Vec<Vec3> =
+            vertices.par_iter().map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) }).collect();
         let solid = |v: &[Vec3; 3]| v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        let kept: Vec<u32> =
-            (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
+        let kept: Vec<u32> = (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
         let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&vertices[i as usize])).collect();
         let (bvh, blocks) = WideBvh::build(&boxes, 8);
         let blocks = blocks
@@ -132,10 +129,28 @@ impl MeshGeometry {
         self.nearest_with::<Native>(p, upper_bound)
     }
 
+    /// Bounds of the distance from `p` to the mesh, which is known to be at most `upper_bound`.
+    ///
+    /// The lower one may fall short by the part `slack`.
+    pub(super) fn distance_range(&self, p: Vec3, upper_bound: f32, slack: f32) -> (f32, f32) {
+        let shrink = 1.0 / ((1.0 + slack) * (1.0 + slack));
+        let start = upper_bound * upper_bound * shrink;
+        let mut least = start;
+        traverse_nearest::<Native>(&self.bvh, p, start, |block, bound| {
+            let squared = self.blocks[block as usize].squared_distances::<Native>(p);
+            let nearest = squared.into_iter().fold(f32::INFINITY, f32::min);
+            least = bound.min(nearest * shrink);
+            least
+        });
+        let lower = least.sqrt();
+        (lower, if least < start { lower * (1.0 + slack) } else { upper_bound })
+    }
+
     /// Whether both hierarchies are the same, node by node.
     #[cfg(test)]
     pub(super) fn same_layout(&self, other: &Self) -> bool {
-        let children = |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
+        let children =
+            |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
         let ids = |mesh: &Self| mesh.blocks.iter().map(|b| b.ids).collect::<Vec<_>>();
         children(self) == children(other) && ids(self) == ids(other)
     }
@@ -150,8 +165,12 @@ impl MeshGeometry {
                 for lane in bits(hits.mask) {
                     if hits.t[lane] < t_max {
                         t_max = hits.t[lane];
-                        closest =
-                            Some(MeshHit { t: t_max, triangle: block.ids[lane], u: hits.u[lane], v: hits.v[lane] });
+                        closest = Some(MeshHit {
+                            t: t_max,
+                            triangle: block.ids[lane],
+                            u: hits.u[lane],
+                            v: hits.v[lane],
+                        });
                     }
                 }
             }
@@ -235,6 +254,8 @@ fn unit_normal(v: &[Vec3; 3]) -> Vec3 {
     if n.is_finite() {
         return n.normalize().as_vec3();
     }
-    let longest = edges.into_iter().fold(glam::DVec3::ZERO, |l, e| if e.length_squared() > l.length_squared() { e } else { l });
+    let longest = edges
+        .into_iter()
+        .fold(glam::DVec3::ZERO, |l, e| if e.length_squared() > l.length_squared() { e } else { l });
     longest.try_normalize().map_or(Vec3::Z, |e| e.any_orthonormal_vector().as_vec3())
 }

@@ -12,6 +12,7 @@
 //! walk inside can go without asking.
 
 mod containment;
+mod distance;
 mod lanes;
 mod mesh;
 mod offset;
@@ -22,12 +23,17 @@ mod shapes;
 mod similarity;
 #[cfg(test)]
 mod tests;
+mod topology;
+#[cfg(test)]
+mod topology_tests;
 mod traversal;
 mod triangle_block;
 mod wide_bvh;
 
+pub use distance::DistanceBound;
 pub use mesh::MeshGeometry;
 pub use offset::{gamma, offset_origin};
 pub use ray::{Aabb, MeshHit, NearestPoint, Ray};
 pub use scene::{GeometryError, Hit, SceneGeometry, SurfacePoint};
 pub use similarity::Similarity;
+pub use topology::{Component, NO_COMPONENT, Topology};

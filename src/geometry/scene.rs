@@ -17,7 +17,9 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GeometryError {
     /// The transform of an instance has no inverse, or is not finite.
-    #[error("instance {instance}: the transform cannot be inverted: give every axis a finite, non-zero scale")]
+    #[error(
+        "instance {instance}: the transform cannot be inverted: give every axis a finite, non-zero scale"
+    )]
     SingularTransform {
         /// Index of the instance.
         instance: usize,
@@ -113,7 +115,8 @@ impl SceneGeometry {
             Source::Shared(mesh) => MeshGeometry::build(&meshes[*mesh].0, &meshes[*mesh].1),
             Source::Baked(mesh, transform) => {
                 let (positions, triangles) = &meshes[*mesh];
-                let positions: Vec<Vec3> = positions.iter().map(|&p| transform.transform_vector3(p)).collect();
+                let positions: Vec<Vec3> =
+                    positions.iter().map(|&p| transform.transform_vector3(p)).collect();
                 MeshGeometry::build_oriented(&positions, triangles, transform.matrix3.determinant() < 0.0)
             }
         };

@@ -143,7 +143,8 @@ impl Similarity {
         let there = magnitude * (self.scale * p.abs());
         let back = magnitude * (magnitude.transpose() * there);
         let error = magnitude * (self.scale * error);
-        let error = (1.0 + gamma(8)) * error + gamma(6) * there + gamma(8) * back + gamma(2) * self.translation.abs();
+        let error =
+            (1.0 + gamma(8)) * error + gamma(6) * there + gamma(8) * back + gamma(2) * self.translation.abs();
         (self.point(p), error)
     }
 
@@ -154,7 +155,9 @@ impl Similarity {
         }
         let mut out = Aabb::EMPTY;
         for corner in 0..8 {
-            let pick = |bit: u32, axis: usize| if corner >> bit & 1 == 0 { local.min[axis] } else { local.max[axis] };
+            let pick = |bit: u32, axis: usize| {
+                if corner >> bit & 1 == 0 { local.min[axis] } else { local.max[axis] }
+            };
             let p = Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2));
             let (p, error) = self.point_with_error(p, Vec3::ZERO);
             out = out.union(Aabb { min: p - 2.0 * error, max: p + 2.0 * error });

@@ -195,9 +195,9 @@ pub(super) fn traverse_nearest<L: Lanes>(
             let node = &bvh.nodes[current as usize];
             let zero = L::splat(0.0);
             let mut squared = zero;
-            for axis in 0..3 {
-                let below = L::load(&node.planes[axis]).sub(point[axis]);
-                let above = point[axis].sub(L::load(&node.planes[axis + 3]));
+            for (axis, &p) in point.iter().enumerate() {
+                let below = L::load(&node.planes[axis]).sub(p);
+                let above = p.sub(L::load(&node.planes[axis + 3]));
                 let gap = below.max(above).max(zero);
                 squared = gap.mul_add(gap, squared);
             }

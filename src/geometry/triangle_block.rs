@@ -82,8 +82,8 @@ impl TriangleBlock {
         let mut this = Self { vertices: [[[0.0; 8]; 3]; 3], normals: [[0.0; 8]; 3], ids };
         for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
             for axis in 0..3 {
-                for corner in 0..3 {
-                    this.vertices[corner][axis][lane] = vertices[id as usize][corner][axis];
+                for (corner, position) in vertices[id as usize].iter().enumerate() {
+                    this.vertices[corner][axis][lane] = position[axis];
                 }
                 this.normals[axis][lane] = normals[id as usize][axis];
             }
@@ -122,9 +122,12 @@ impl TriangleBlock {
         let (u, v, w) = (u.mul(inverse), v.mul(inverse), w.mul(inverse));
         let depth = u.mul_add(az, v.mul_add(bz, w.mul(cz)));
         let most = |a: L, b: L, c: L| a.abs().max(b.abs()).max(c.abs());
-        let products = most(ax, bx, cx).mul(most(ay, by, cy)).mul(most(az, bz, cz));
+        let range = most(az, bz, cz);
+        let products = most(ax, bx, cx).mul(most(ay, by, cy)).mul(range);
         let mut t = depth.mul(ray.shear[2]);
-        let near = depth.mul(det).abs().lt(products.mul(L::splat(NEAR)));
+        let rough = depth.mul(det).abs().lt(products.mul(L::splat(NEAR)));
+        // Seen from afar, a needle or an edge-on triangle is better off with T, which stays within its corners.
+        let near = L::and(rough, depth.abs().lt(range.mul(L::splat(1.0 / 16.0))));
         if L::bits(near) & inside != 0 {
             let normal = [kx, ky, kz].map(|k| L::load(&self.normals[k]));
             let first = [kx, ky, kz].map(|k| L::load(&self.vertices[0][k]));

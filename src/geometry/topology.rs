@@ -1,0 +1,340 @@
+//! Is a mesh the boundary of a solid, and which way does it face?
+//!
+//! Positions that are equal to the bit become one vertex (files split vertices at seams), and triangles that share an
+//! edge one component. A component is closed if each edge belongs to exactly two triangles that run along it in
+//! opposite directions. Its orientation follows from the sign of its volume (the divergence theorem, one tetrahedron
+//! a triangle) and from nesting: a component inside another one may face inwards, as a cavity does, but where
+//! the outermost is inside out, all that it holds is taken to be so too.
+//!
+//! Triangles with two equal corners and repetitions of a triangle are ignored. Triangles without area are not: they
+//! may join edges.
+
+use super::containment::vote;
+use super::mesh::MeshGeometry;
+use super::ray::MeshHit;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// The component of a triangle that belongs to none: dropped, with equal corners, or a repetition.
+pub const NO_COMPONENT: u32 = u32::MAX;
+
+/// Sample positions kept for messages.
+const LEAK_SAMPLES: usize = 4;
+
+/// Triangles that are connected through edges.
+#[derive(Clone, Debug)]
+pub struct Component {
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Edges of one triangle.
+    pub open_edges: usize,
+    /// Edges of three or more triangles.
+    pub non_manifold_edges: usize,
+    /// Edges of two triangles that run along it in the same direction.
+    pub inconsistent_edges: usize,
+    /// Every edge has exactly two triangles of opposite direction.
+    pub closed: bool,
+    /// Closed, or would be once [`Topology::flips`] has been applied.
+    pub closable: bool,
+    /// Enclosed volume in cubic units of the mesh's space, positive where fronts are outside; exact only if closed.
+    pub signed_volume: f64,
+    /// Fronts face the material: the volume is negative, and this is not a cavity in another component.
+    pub inside_out: bool,
+    /// The closest component around this one, if any.
+    pub inside_of: Option<usize>,
+    /// Middles of a few edges that keep it from being closed.
+    pub leaks: Vec<Vec3>,
+}
+
+/// What [`Topology::analyse`] finds.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    /// Connected parts, in the order of their first triangles.
+    pub components: Vec<Component>,
+    /// Component of each triangle, or [`NO_COMPONENT`].
+    pub component_of: Vec<u32>,
+    /// Whether a triangle must be turned over so that fronts face away from the material. Parts that are not closable
+    /// are left alone.
+    pub flips: Vec<bool>,
+}
+
+/// One triangle's use of an edge: `(lower vertex, upper vertex, triangle << 1 | runs upwards)`.
+type EdgeUse = (u32, u32, u32);
+
+impl Topology {
+    /// Analyses a mesh. Deterministic.
+    pub fn analyse(mesh: &MeshGeometry) -> Self {
+        let vertices = merged_vertices(mesh);
+        let used = distinct_triangles(&vertices);
+        let edges = edge_uses(&vertices, &used, mesh.is_reversed());
+        let mut sets = OrientedSets::new(vertices.len());
+        for edge in edges.chunk_by(same_edge) {
+            for pair in edge.windows(2) {
+                // Across a non-manifold edge there is no telling which sides belong together.
+                let same_direction = edge.len() == 2 && pair[0].2 & 1 == pair[1].2 & 1;
+                sets.join(pair[0].2 >> 1, pair[1].2 >> 1, same_direction);
+            }
+        }
+        let mut topology = Self::components(mesh, &used, &mut sets);
+        topology.count_edges(mesh, &edges);
+        for (component, set) in
+            topology.components.iter_mut().zip(&sets.contradictions_of(&topology.component_of))
+        {
+            let tight = component.open_edges == 0 && component.non_manifold_edges == 0;
+            component.closed = tight && component.inconsistent_edges == 0;
+            component.closable = tight && !set;
+        }
+        topology.orient(mesh, &mut sets);
+        topology
+    }
+
+    /// Whether there is a component and all are closed.
+    pub fn is_closed(&self) -> bool {
+        !self.components.is_empty() && self.components.iter().all(|c| c.closed)
+    }
+
+    /// Whether any triangle must be turned over.
+    pub fn needs_flips(&self) -> bool {
+        self.flips.contains(&true)
+    }
+
+    fn components(mesh: &MeshGeometry, used: &[bool], sets: &mut OrientedSets) -> Self {
+        let mut component_of = vec![NO_COMPONENT; used.len()];
+        let mut components = Vec::new();
+        let mut of_root = vec![NO_COMPONENT; used.len()];
+        let center = mesh.bounds().center().as_dvec3();
+        for triangle in (0..used.len()).filter(|&t| used[t]) {
+            let root = sets.find(triangle as u32).0 as usize;
+            if of_root[root] == NO_COMPONENT {
+                of_root[root] = components.len() as u32;
+                components.push(Component {
+                    triangles: 0,
+                    open_edges: 0,
+                    non_manifold_edges: 0,
+                    inconsistent_edges: 0,
+                    closed: false,
+                    closable: false,
+                    signed_volume: 0.0,
+                    inside_out: false,
+                    inside_of: None,
+                    leaks: Vec::new(),
+                });
+            }
+            component_of[triangle] = of_root[root];
+            let component = &mut components[of_root[root] as usize];
+            component.triangles += 1;
+            component.signed_volume += signed_volume(mesh, triangle, center);
+        }
+        Self { components, component_of, flips: vec![false; used.len()] }
+    }
+
+    fn count_edges(&mut self, mesh: &MeshGeometry, edges: &[EdgeUse]) {
+        for edge in edges.chunk_by(same_edge) {
+            let triangle = edge[0].2 >> 1;
+            let component = &mut self.components[self.component_of[triangle as usize] as usize];
+            match edge {
+                [_] => component.open_edges += 1,
+                [a, b] if a.2 & 1 == b.2 & 1 => component.inconsistent_edges += 1,
+                [_, _] => continue,
+                _ => component.non_manifold_edges += 1,
+            }
+            if component.leaks.len() < LEAK_SAMPLES {
+                component.leaks.extend(edge_middle(mesh, edge));
+            }
+        }
+    }
+
+    /// Sets `inside_out`, `inside_of` and `flips`.
+    fn orient(&mut self, mesh: &MeshGeometry, sets: &mut OrientedSets) {
+        let count = self.components.len();
+        // Relative to the majority of its triangles, which are turned over, and the volume once they are.
+        let mut turned = vec![0_usize; count];
+        let mut sample = vec![0_u32; count];
+        for (t, &c) in self.component_of.iter().enumerate().filter(|(_, c)| **c != NO_COMPONENT) {
+            turned[c as usize] += usize::from(sets.find(t as u32).1);
+            sample[c as usize] = t as u32;
+        }
+        let mut volume = vec![0.0_f64; count];
+        let center = mesh.bounds().center().as_dvec3();
+        for (t, &c) in self.component_of.iter().enumerate().filter(|(_, c)| **c != NO_COMPONENT) {
+            let component = &self.components[c as usize];
+            if component.closable {
+                let minority = sets.find(t as u32).1 != (2 * turned[c as usize] > component.triangles);
+                self.flips[t] = minority;
+                volume[c as usize] += signed_volume(mesh, t, center) * if minority { -1.0 } else { 1.0 };
+            }
+        }
+        let holders = self.holders(mesh, &sample);
+        for c in 0..count {
+            let depth = |h: &usize| (holders[*h].len(), *h);
+            self.components[c].inside_of = holders[c].iter().copied().max_by_key(depth);
+            let outermost = holders[c].iter().copied().min_by_key(depth).unwrap_or(c);
+            self.components[c].inside_out = self.components[c].closable && volume[outermost] < 0.0;
+        }
+        for (flip, &c) in self.flips.iter_mut().zip(&self.component_of) {
+            *flip ^= c != NO_COMPONENT && self.components[c as usize].inside_out;
+        }
+    }
+
+    /// For each closable component the closable components around it, given one triangle of each.
+    fn holders(&self, mesh: &MeshGeometry, sample: &[u32]) -> Vec<Vec<usize>> {
+        let count = self.components.len();
+        let closable = |c: usize| self.components[c].closable;
+        if (0..count).filter(|&c| closable(c)).count() < 2 {
+            return vec![Vec::new(); count];
+        }
+        let around = |c: usize| -> Vec<usize> {
+            if !closable(c) {
+                return Vec::new();
+            }
+            let p = mesh.point(sample[c], 1.0 / 3.0, 1.0 / 3.0).0;
+            let mut hits: Vec<MeshHit> = Vec::new();
+            let mut crossed = Vec::new();
+            // Every component that some direction crosses, then a vote on each.
+            vote(|direction| {
+                mesh.winding(p, direction, &mut hits, |_| true);
+                crossed.extend(hits.iter().map(|h| self.component_of[h.triangle as usize]));
+                false
+            });
+            crossed.sort_unstable();
+            crossed.dedup();
+            crossed.retain(|&k| k != NO_COMPONENT && k as usize != c && closable(k as usize));
+            let odd = |k: u32, direction, hits: &mut Vec<MeshHit>| {
+                mesh.intersect_all(&super::Ray::new(p, direction), hits);
+                hits.iter().filter(|h| self.component_of[h.triangle as usize] == k).count() % 2 == 1
+            };
+            crossed.into_iter().filter(|&k| vote(|d| odd(k, d, &mut hits))).map(|k| k as usize).collect()
+        };
+        (0..count).into_par_iter().map(around).collect()
+    }
+}
+
+/// Vertex numbers of each triangle after merging equal positions; three equal numbers for dropped triangles.
+fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
+    let count = mesh.triangle_count();
+    // Adding zero makes −0 and 0 the same bits.
+    let key = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
+    let mut corners: Vec<([u32; 3], u32)> = (0..3 * count as u32)
+        .into_par_iter()
+        .map(|i| (key(mesh.triangle(i / 3)[i as usize % 3]), i))
+        .collect();
+    corners.par_sort_unstable();
+    let mut vertices = vec![[0_u32; 3]; count];
+    for same in corners.chunk_by(|a, b| a.0 == b.0) {
+        for &(_, i) in same {
+            vertices[i as usize / 3][i as usize % 3] = same[0].1;
+        }
+    }
+    vertices
+}
+
+/// False for triangles with equal corners and for repetitions.
+fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
+    let lowest_first = |&[a, b, c]: &[u32; 3]| {
+        if a < b && a < c {
+            [a, b, c]
+        } else if b < c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        }
+    };
+    let mut sorted: Vec<([u32; 3], u32)> =
+        vertices.par_iter().enumerate().map(|(i, v)| (lowest_first(v), i as u32)).collect();
+    sorted.par_sort_unstable();
+    let mut used = vec![false; vertices.len()];
+    for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+        let [a, b, c] = same[0].0;
+        used[same[0].1 as usize] = a != b && b != c && c != a;
+    }
+    used
+}
+
+fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
+    let mut edges: Vec<EdgeUse> = (0..vertices.len())
+        .into_par_iter()
+        .filter(|&t| used[t])
+        .flat_map_iter(|t| {
+            let v = vertices[t];
+            (0..3).map(move |i| {
+                let (a, b) = (v[i], v[(i + 1) % 3]);
+                (a.min(b), a.max(b), (t as u32) << 1 | u32::from((a < b) != reversed))
+            })
+        })
+        .collect();
+    edges.par_sort_unstable();
+    edges
+}
+
+fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {
+    (a.0, a.1) == (b.0, b.1)
+}
+
+/// Middle of an edge; vertices are numbered by the first corner at their position.
+fn edge_middle(mesh: &MeshGeometry, edge: &[EdgeUse]) -> Option<Vec3> {
+    let (a, b, _) = *edge.first()?;
+    let corner = |i: u32| mesh.triangle(i / 3)[i as usize % 3];
+    Some(0.5 * (corner(a) + corner(b)))
+}
+
+/// Volume of the tetrahedron between a triangle and `center`.
+fn signed_volume(mesh: &MeshGeometry, triangle: usize, center: DVec3) -> f64 {
+    let [a, b, c] = mesh.triangle(triangle as u32).map(|v| v.as_dvec3() - center);
+    a.dot(b.cross(c)) / if mesh.is_reversed() { -6.0 } else { 6.0 }
+}
+
+/// Disjoint sets (Tarjan 1975) of triangles, each with whether it must be turned over to agree with the set's first.
+struct OrientedSets {
+    parent: Vec<u32>,
+    turned: Vec<bool>,
+    contradictions: Vec<u32>,
+}
+
+impl OrientedSets {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect(), turned: vec![false; count], contradictions: Vec::new() }
+    }
+
+    /// The root, and whether the triangle is turned relative to it.
+    fn find(&mut self, triangle: u32) -> (u32, bool) {
+        let (mut root, mut turned) = (triangle, false);
+        while self.parent[root as usize] != root {
+            turned ^= self.turned[root as usize];
+            root = self.parent[root as usize];
+        }
+        let (mut at, mut rest) = (triangle, turned);
+        while self.parent[at as usize] != root && at != root {
+            let next = self.parent[at as usize];
+            let step = self.turned[at as usize];
+            self.parent[at as usize] = root;
+            self.turned[at as usize] = rest;
+            rest ^= step;
+            at = next;
+        }
+        (root, turned)
+    }
+
+    fn join(&mut self, a: u32, b: u32, opposite: bool) {
+        let ((root_a, turned_a), (root_b, turned_b)) = (self.find(a), self.find(b));
+        let turn = turned_a ^ turned_b ^ opposite;
+        if root_a == root_b {
+            if turn {
+                self.contradictions.push(a);
+            }
+            return;
+        }
+        let (low, high) = (root_a.min(root_b), root_a.max(root_b));
+        self.parent[high as usize] = low;
+        self.turned[high as usize] = turn;
+    }
+
+    /// For each component, whether it has no consistent orientation.
+    fn contradictions_of(&self, component_of: &[u32]) -> Vec<bool> {
+        let count = component_of.iter().filter(|&&c| c != NO_COMPONENT).max().map_or(0, |&c| c as usize + 1);
+        let mut out = vec![false; count];
+        for &t in &self.contradictions {
+            out[component_of[t as usize] as usize] = true;
+        }
+        out
+    }
+}
