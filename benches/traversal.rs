@@ -60,11 +60,11 @@ fn timed<T>(name: &str, f: impl FnOnce() -> T) -> T {
     out
 }
 
-/// Best of three passes.
+/// Best of twenty passes: the machine may have other work.
 fn rate(name: &str, rays: &[Ray], mut query: impl FnMut(&Ray) -> bool) {
     let mut best = f64::INFINITY;
     let mut hits = 0;
-    for _ in 0..3 {
+    for _ in 0..20 {
         let start = Instant::now();
         hits = rays.iter().filter(|ray| black_box(query(black_box(ray)))).count();
         best = best.min(start.elapsed().as_secs_f64());
@@ -92,10 +92,10 @@ fn camera_rays(bounds: &Aabb) -> Vec<Ray> {
     let (center, size) = (bounds.center(), bounds.extent().max_element());
     let eye = center + Vec3::new(0.3, 0.4, 1.5) * size;
     let pixel = |i: u32| {
-        let at = Vec3::new((i % 512) as f32 / 511.0 - 0.5, (i / 512) as f32 / 511.0 - 0.5, 0.0);
+        let at = Vec3::new((i % 200) as f32 / 199.0 - 0.5, (i / 200) as f32 / 199.0 - 0.5, 0.0);
         Ray::new(eye, (center + at * size - eye).normalize())
     };
-    (0..512 * 512).map(pixel).collect()
+    (0..200 * 200).map(pixel).collect()
 }
 
 fn random_rays(bounds: &Aabb, t_max: f32, keep: impl Fn(Vec3) -> bool) -> Vec<Ray> {
@@ -103,7 +103,7 @@ fn random_rays(bounds: &Aabb, t_max: f32, keep: impl Fn(Vec3) -> bool) -> Vec<Ra
     let mut point = || Vec3::new(unit(&mut state), unit(&mut state), unit(&mut state));
     let points: Vec<Vec3> = std::iter::repeat_with(|| bounds.min + point() * bounds.extent())
         .filter(|&p| keep(p))
-        .take(300_000)
+        .take(40_000)
         .collect();
     let mut state = 2;
     points.into_iter().map(|origin| Ray { origin, direction: direction(&mut state), t_max }).collect()
