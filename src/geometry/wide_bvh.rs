@@ -98,7 +98,7 @@ fn build_binary(boxes: &[Aabb], bounds: &Aabb) -> Bvh2 {
         SortPrecision::U64,
         2,
     );
-    ReinsertionOptimizer::default().run(&mut tree, 0.15, None);
+    ReinsertionOptimizer::default().run(&mut tree, 0.05, None);
     tree
 }
 
