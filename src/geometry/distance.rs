@@ -38,7 +38,7 @@ impl DistanceBound {
         let bounds = mesh.bounds();
         let extent = bounds.extent();
         let longest = extent.max_element();
-        if !(longest > 0.0) {
+        if longest <= 0.0 {
             return Self::nothing();
         }
         let cell = longest / resolution.clamp(1, 512) as f32;

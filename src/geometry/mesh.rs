@@ -1,9 +1,10 @@
 //! One triangle mesh with its own hierarchy, in its own space.
 
 use super::lanes::{Lanes, Native};
+use super::nearest::traverse_nearest;
 use super::offset::gamma;
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
-use super::traversal::{traverse, traverse_nearest};
+use super::traversal::traverse;
 use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
 use super::wide_bvh::WideBvh;
 use glam::Vec3;
@@ -157,11 +158,12 @@ impl MeshGeometry {
 
     #[inline(always)]
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
-        let shear = ShearRay::<L>::new(ray);
+        let mut shear = None;
         let mut closest = None;
         traverse::<L, true>(&self.bvh, ray, |block, mut t_max| {
             let block = &self.blocks[block as usize];
-            if let Some(hits) = block.intersect(&shear, t_max) {
+            let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
+            if let Some(hits) = block.intersect(shear, t_max) {
                 for lane in bits(hits.mask) {
                     if hits.t[lane] < t_max {
                         t_max = hits.t[lane];
@@ -181,10 +183,11 @@ impl MeshGeometry {
 
     #[inline(always)]
     pub(super) fn occluded_with<L: Lanes>(&self, ray: &Ray) -> bool {
-        let shear = ShearRay::<L>::new(ray);
+        let mut shear = None;
         let mut found = false;
         traverse::<L, false>(&self.bvh, ray, |block, t_max| {
-            found = self.blocks[block as usize].intersect(&shear, t_max).is_some();
+            let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
+            found = self.blocks[block as usize].intersect(shear, t_max).is_some();
             if found { -1.0 } else { t_max }
         });
         found
@@ -193,10 +196,11 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn intersect_all_with<L: Lanes>(&self, ray: &Ray, hits: &mut Vec<MeshHit>) {
         hits.clear();
-        let shear = ShearRay::<L>::new(ray);
+        let mut shear = None;
         traverse::<L, false>(&self.bvh, ray, |block, t_max| {
             let block = &self.blocks[block as usize];
-            if let Some(found) = block.intersect(&shear, t_max) {
+            let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
+            if let Some(found) = block.intersect(shear, t_max) {
                 hits.extend(bits(found.mask).map(|lane| MeshHit {
                     t: found.t[lane],
                     triangle: block.ids[lane],

@@ -15,6 +15,7 @@ mod containment;
 mod distance;
 mod lanes;
 mod mesh;
+mod nearest;
 mod offset;
 mod ray;
 mod scene;

@@ -76,14 +76,22 @@ pub(super) struct BlockHits {
     pub v: [f32; WIDTH],
 }
 
+/// One axis of eight vectors.
+#[inline(always)]
+fn axis(vectors: &[[f32; WIDTH]; 3], axis: usize) -> &[f32; WIDTH] {
+    debug_assert!(axis < 3, "axis = {axis}");
+    // SAFETY: only called with `ShearRay::axes`, a permutation of 0, 1 and 2.
+    unsafe { vectors.get_unchecked(axis) }
+}
+
 impl TriangleBlock {
     /// Gathers the triangles of a block; `vertices` and `normals` are indexed by triangle.
     pub fn new(ids: Block, vertices: &[[Vec3; 3]], normals: &[Vec3]) -> Self {
         let mut this = Self { vertices: [[[0.0; 8]; 3]; 3], normals: [[0.0; 8]; 3], ids };
         for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
             for axis in 0..3 {
-                for corner in 0..3 {
-                    this.vertices[corner][axis][lane] = vertices[id as usize][corner][axis];
+                for (corner, position) in vertices[id as usize].iter().enumerate() {
+                    this.vertices[corner][axis][lane] = position[axis];
                 }
                 this.normals[axis][lane] = normals[id as usize][axis];
             }
@@ -94,13 +102,9 @@ impl TriangleBlock {
     /// Hits with `0 < t < t_max`.
     #[inline(always)]
     pub fn intersect<L: Lanes>(&self, ray: &ShearRay<L>, t_max: f32) -> Option<BlockHits> {
-        // The axes are below 3: the bound is for the compiler.
-        let [kx, ky, kz] = ray.axes.map(|k| k % 3);
         let corner = |c: usize| {
-            let v = &self.vertices[c];
-            let x = L::load(&v[kx]).sub(ray.origin[0]);
-            let y = L::load(&v[ky]).sub(ray.origin[1]);
-            let z = L::load(&v[kz]).sub(ray.origin[2]);
+            let row = |k: usize| L::load(axis(&self.vertices[c], ray.axes[k])).sub(ray.origin[k]);
+            let (x, y, z) = (row(0), row(1), row(2));
             (ray.shear[0].neg_mul_add(z, x), ray.shear[1].neg_mul_add(z, y), z)
         };
         let (ax, ay, az) = corner(0);
@@ -129,13 +133,12 @@ impl TriangleBlock {
         // Seen from afar, a needle or an edge-on triangle is better off with T, which stays within its corners.
         let near = L::and(rough, depth.abs().lt(range.mul(L::splat(1.0 / 16.0))));
         if L::bits(near) & inside != 0 {
-            let normal = [kx, ky, kz].map(|k| L::load(&self.normals[k]));
-            let first = [kx, ky, kz].map(|k| L::load(&self.vertices[0][k]));
             let mut height = zero;
             let mut slope = zero;
-            for i in 0..3 {
-                height = normal[i].mul_add(first[i].sub(ray.origin[i]), height);
-                slope = normal[i].mul_add(ray.direction[i], slope);
+            for (i, &k) in ray.axes.iter().enumerate() {
+                let normal = L::load(axis(&self.normals, k));
+                height = normal.mul_add(L::load(axis(&self.vertices[0], k)).sub(ray.origin[i]), height);
+                slope = normal.mul_add(ray.direction[i], slope);
             }
             t = L::select(near, height.div(slope), t);
         }

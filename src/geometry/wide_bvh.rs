@@ -98,7 +98,7 @@ fn build_binary(boxes: &[Aabb], bounds: &Aabb) -> Bvh2 {
         SortPrecision::U64,
         2,
     );
-    ReinsertionOptimizer::default().run(&mut tree, 0.15, None);
+    ReinsertionOptimizer::default().run(&mut tree, 0.05, None);
     tree
 }
 
@@ -176,7 +176,7 @@ impl<'a> Collapse<'a> {
             let area = bounds.half_area();
             let mut plan = Plan { cost: [0.0; 7], split: [0; 9], fewer: 0, bounds };
             let mut distribute = [0.0_f32; WIDTH + 1];
-            for j in 2..=WIDTH {
+            for (j, least) in distribute.iter_mut().enumerate().skip(2) {
                 let mut best = (f32::INFINITY, 1);
                 for k in 1..j {
                     let cost = l.cost[k - 1] + r.cost[j - k - 1];
@@ -184,18 +184,18 @@ impl<'a> Collapse<'a> {
                         best = (cost, k);
                     }
                 }
-                distribute[j] = best.0;
+                *least = best.0;
                 plan.split[j] = best.1 as u8;
             }
             plan.cost[0] = distribute[WIDTH] + area;
             plan.split[1] = 1;
-            if counts[index] <= self.capacity && !(plan.cost[0] < area * BLOCK_COST) {
+            if counts[index] <= self.capacity && plan.cost[0] >= area * BLOCK_COST {
                 plan.cost[0] = area * BLOCK_COST;
                 plan.split[1] = 0;
             }
-            for i in 2..WIDTH {
-                plan.cost[i - 1] = distribute[i];
-                if !(distribute[i] < plan.cost[i - 2]) {
+            for (i, &cost) in distribute.iter().enumerate().take(WIDTH).skip(2) {
+                plan.cost[i - 1] = cost;
+                if cost >= plan.cost[i - 2] {
                     plan.cost[i - 1] = plan.cost[i - 2];
                     plan.fewer |= 1 << i;
                 }

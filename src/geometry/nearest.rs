@@ -1,0 +1,86 @@
+//! The walk through the wide hierarchy that finds nearest points: boxes in order of distance, until none is nearer than
+//! what has been found.
+
+use super::lanes::Lanes;
+use super::wide_bvh::{LEAF, WideBvh};
+use glam::Vec3;
+
+/// Postponed children that fit on the stack of the thread; deeper hierarchies use the heap.
+const STACK: usize = 128;
+
+/// Visits the blocks that may hold a point nearer to `p` than the square root of `bound`, nearest box first.
+///
+/// `visit(block, bound)` returns the new bound of the squared distance.
+#[inline(always)]
+pub(super) fn traverse_nearest<L: Lanes>(
+    bvh: &WideBvh,
+    p: Vec3,
+    mut bound: f32,
+    mut visit: impl FnMut(u32, f32) -> f32,
+) {
+    if bvh.nodes.is_empty() {
+        return;
+    }
+    let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
+    // Postponed children: `squared distance << 32 | child`. Seven are added a level.
+    let mut fixed = [0_u64; STACK];
+    let mut heap = Vec::new();
+    let need = 8 * bvh.depth + 1;
+    let stack = if need <= STACK {
+        &mut fixed[..]
+    } else {
+        heap.resize(need, 0);
+        &mut heap[..]
+    };
+    let mut top = 0;
+    let mut current = 0_u32;
+    loop {
+        if current & LEAF == 0 {
+            let node = &bvh.nodes[current as usize];
+            let zero = L::splat(0.0);
+            let mut squared = zero;
+            for (axis, &p) in point.iter().enumerate() {
+                let below = L::load(&node.planes[axis]).sub(p);
+                let above = p.sub(L::load(&node.planes[axis + 3]));
+                let gap = below.max(above).max(zero);
+                squared = gap.mul_add(gap, squared);
+            }
+            let mut hits = L::bits(squared.lt(L::splat(bound)));
+            if hits != 0 {
+                let squared = squared.store();
+                let key = |lane: usize| {
+                    (u64::from(squared[lane & 7].to_bits()) << 32) | u64::from(node.children[lane & 7])
+                };
+                let base = top;
+                while hits != 0 {
+                    let next = key(hits.trailing_zeros() as usize);
+                    hits &= hits - 1;
+                    let mut slot = top;
+                    while slot > base {
+                        let above = stack[slot - 1];
+                        if above >= next {
+                            break;
+                        }
+                        stack[slot] = above;
+                        slot -= 1;
+                    }
+                    stack[slot] = next;
+                    top += 1;
+                }
+            }
+        } else {
+            bound = visit(current & !LEAF, bound);
+        }
+        loop {
+            if top == 0 {
+                return;
+            }
+            top -= 1;
+            let entry = stack[top];
+            if f32::from_bits((entry >> 32) as u32) < bound {
+                current = entry as u32;
+                break;
+            }
+        }
+    }
+}
