@@ -120,8 +120,9 @@ impl Mixed {
     }
 }
 
-/// The lobe by which light found by a BSSRDF left its object, towards z > 0 whatever `wo`: a path that comes out at this point
-/// goes on in proportion to the Fresnel transmittance, (1 − F(cos θ)) cos θ/(π (1 − F̄)), which integrates to 1.
+/// The lobe by which light found by a BSSRDF left its object, towards z > 0 whatever `wo`: a path that comes out at
+/// this point goes on in proportion to the Fresnel transmittance, (1 − F(cos θ)) cos θ/(π (1 − F̄)), which integrates
+/// to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct DiffuseExit {
     eta: f32,
