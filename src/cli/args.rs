@@ -83,6 +83,9 @@ pub(super) struct RenderArgs {
     /// Whether light bounces more than once among the facets of rough surfaces: multiple or single
     #[arg(long, value_name = "MODEL", default_value = "multiple", value_parser = microfacet)]
     pub microfacet: Microfacet,
+    /// Do not aim paths below a surface at lights (the same picture, noisier; for comparisons)
+    #[arg(long, hide_short_help = true)]
+    pub no_aim: bool,
 
     /// Tone map of .png and .jpg: pbr-neutral, aces, agx or linear
     #[arg(long, value_name = "NAME", default_value = "pbr-neutral", value_parser = tone_map)]

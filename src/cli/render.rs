@@ -120,6 +120,7 @@ fn render_options(
         subsurface: job.args.subsurface.clone(),
         max_depth: job.args.max_depth,
         microfacet: job.args.microfacet,
+        aim: !job.args.no_aim,
     })
 }
 

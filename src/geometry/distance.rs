@@ -9,7 +9,7 @@ use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 /// Cells along the longest axis, by default.
-const RESOLUTION: u32 = 64;
+const RESOLUTION: u32 = 96;
 /// Part of a distance that the search may miss; it ends early where many triangles are about equally far.
 const SEARCH_SLACK: f32 = 0.01;
 /// Rounding of coordinates and distances, relative to the largest coordinate.
@@ -28,7 +28,7 @@ pub struct DistanceBound {
 }
 
 impl DistanceBound {
-    /// Builds with 64 cells along the longest axis of the mesh's box. Deterministic.
+    /// Builds with 96 cells along the longest axis of the mesh's box. Deterministic.
     pub fn build(mesh: &MeshGeometry) -> Self {
         Self::with_resolution(mesh, RESOLUTION)
     }
@@ -91,6 +91,13 @@ impl DistanceBound {
         let at = index.as_uvec3() * self.stride;
         let distance = self.distances[(at.x + at.y + at.z) as usize];
         (distance - p.distance(center)).max(0.0)
+    }
+
+    /// A distance within which the mesh lies from any point of the grid whose [`DistanceBound::bound`] is `bound`.
+    #[inline]
+    pub fn reach(&self, bound: f32) -> f32 {
+        // The distance is at most that of the centre and the way to it, at most √3/2 of a cell, twice.
+        1.05 * bound + 2.0 * self.cell
     }
 
     /// Bytes of memory.

@@ -1,5 +1,6 @@
 //! Light from environments, emissive triangles and punctual lights, and choosing among them.
 
+pub mod beacon;
 pub mod emitter;
 pub mod environment;
 pub mod lights;

@@ -5,10 +5,14 @@ use super::object::Object;
 use super::surface::Surface;
 use super::texture;
 use crate::geometry::{Aabb, DistanceBound, GeometryError, Hit, MeshGeometry, SceneGeometry, Topology};
+use crate::light::beacon::{Beacon, beacons};
 use crate::light::{EmissionField, EmissiveRadiance, EmissiveTriangle, Lights};
 use crate::optics::Medium;
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
+
+/// Boundaries of a lower index hardly bend light.
+const LEAST_AIMED_INDEX: f32 = 1.02;
 
 /// Why a description cannot be traced.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +46,8 @@ pub struct Scene {
     pub topologies: Vec<Option<Topology>>,
     /// Light sources.
     pub lights: Lights,
+    /// Where most of their light comes from.
+    pub beacons: Vec<Beacon>,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -93,6 +99,7 @@ impl Scene {
                 (Vec3::ZERO, Vec3::ZERO),
             ),
             default_material: MaterialDescription::default(),
+            beacons: Vec::new(),
             description: Arc::new(description),
             geometry,
             media,
@@ -102,17 +109,20 @@ impl Scene {
         };
         let emitters = scene.emissive_triangles();
         let bounds = scene.geometry.bounds();
-        scene.has_see_through = scene.description.materials.iter().any(|m| {
-            m.alpha_mode != AlphaMode::Opaque
-                || m.medium.as_ref().is_some_and(|medium| (medium.ior - 1.0).abs() < 1e-6)
-        }) || scene.media.iter().flatten().count() > 1;
         scene.compile_objects(&holds_medium, &emitters);
-        scene.lights = Lights::build(
-            emitters,
-            &scene.description.lights,
-            &scene.description.environment,
-            (bounds.min, bounds.max),
-        );
+        scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && !o.isolated)
+            || scene.description.materials.iter().any(|m| {
+                m.alpha_mode != AlphaMode::Opaque
+                    || m.medium.as_ref().is_some_and(|m| m.ior < LEAST_AIMED_INDEX)
+            });
+        let punctual = &scene.description.lights;
+        let environment = &scene.description.environment;
+        scene.lights = Lights::build(emitters, punctual, environment, (bounds.min, bounds.max));
+        scene.beacons = beacons(&scene.lights, punctual);
+        let aimable = !scene.has_see_through && !scene.beacons.is_empty();
+        for object in &mut scene.objects {
+            object.aimable = aimable && object.distance.is_some() && !object.lit_inside;
+        }
         Ok(scene)
     }
 
@@ -246,8 +256,15 @@ impl Scene {
                     }
                 }
             });
-            self.objects[instance as usize] =
-                Object { has_medium: true, closed, rank: rank as u32 + 1, isolated, lit_inside, distance };
+            self.objects[instance as usize] = Object {
+                has_medium: true,
+                closed,
+                rank: rank as u32 + 1,
+                isolated,
+                lit_inside,
+                aimable: false,
+                distance,
+            };
         }
     }
 

@@ -17,6 +17,9 @@ pub struct Object {
     pub isolated: bool,
     /// Light sources may be inside, so paths in the medium must be connected to them.
     pub lit_inside: bool,
+    /// Light beyond the boundary can be aimed at from inside: there are beacons, and nothing is in the way that light
+    /// passes without being bent (alpha, other media).
+    pub aimable: bool,
     /// Lower bounds of the distance to the boundary, in the instance's local space; for closed isolated media.
     pub distance: Option<Arc<DistanceBound>>,
 }

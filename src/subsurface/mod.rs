@@ -10,9 +10,11 @@
 //! Throughput carries radiance from the camera: the boundary has already divided it by η² on the way in. A model that
 //! answers [`Arrival::Exit`] multiplies by η² to bring it out again.
 
+mod aim;
 mod random_walk;
 mod textured;
 
+pub use aim::Aim;
 pub use random_walk::RandomWalk;
 pub use textured::TexturedMedium;
 
@@ -35,6 +37,19 @@ pub struct Flight<'a> {
     pub medium: &'a Medium,
     /// Scattering events the path may still have.
     pub budget: u32,
+    /// How events in the medium can be connected to lights.
+    pub connection: Connection,
+}
+
+/// How scattering events in a medium can be connected to lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connection {
+    /// Not at all: light comes in where the path meets the boundary.
+    None,
+    /// In straight lines: lights are inside, or the boundary does not bend light.
+    Straight,
+    /// Through the boundary of the object, which bends light: directions can be aimed ([`Connector::aim`]).
+    Boundary,
 }
 
 /// The moving end of a path, in world space.
@@ -51,6 +66,9 @@ pub struct PathHead {
     /// The surface point that the head has just left (at `position`, up to rounding): a walk in the object's own space
     /// starts there without the rounding of world space.
     pub start: Option<Start>,
+    /// Where the flight ends on the boundary: how many times more likely an aimed direction ([`Connector::emerge`]) was
+    /// to lead here than the path itself. Light found directly beyond the boundary is weighed with it.
+    pub aimed: f32,
 }
 
 /// A point of an instance's mesh.
@@ -78,10 +96,10 @@ pub enum Arrival {
     Ended,
 }
 
-/// Light at the scattering events of a flight, for media into which lights can be connected directly.
+/// Light at the scattering events of a flight.
 pub trait Connector {
-    /// Called at each scattering event, after the throughput has been multiplied by the albedo: `incoming` is the
-    /// direction of travel before the event.
+    /// [`Connection::Straight`]: called at each scattering event, after the throughput has been multiplied by the albedo;
+    /// `incoming` is the direction of travel before the event.
     fn scattered(
         &mut self,
         point: Vec3,
@@ -90,20 +108,28 @@ pub trait Connector {
         phase: HenyeyGreenstein,
         sampler: &mut Sampler,
     );
-    /// Called with the direction chosen and its phase-function density, so that hits by chance can be weighted.
+    /// [`Connection::Straight`]: called with the direction chosen and its phase-function density, so that hits by chance
+    /// can be weighted.
     fn redirected(&mut self, point: Vec3, pdf: f32);
+    /// [`Connection::Boundary`]: directions that lead from `point` through a boundary near by, of outward normal `normal`,
+    /// to light. False: there are none.
+    fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool;
+    /// [`Connection::Boundary`]: an aimed direction of travel `incoming` has met the boundary from inside. `throughput`
+    /// is that of the path, times phase function and transmittance, over the density of the direction; `aimed` is as in
+    /// [`PathHead::aimed`]. Adds the light found directly beyond the boundary.
+    fn emerge(&mut self, hit: &Hit, incoming: Vec3, throughput: Vec3, aimed: f32, sampler: &mut Sampler);
 }
 
 /// A model made ready for one scene.
 pub trait Propagator: Send + Sync {
-    /// Follows the path from `head` to where it arrives next. `connector` is given where lights can reach scattering
-    /// events in straight lines.
+    /// Follows the path from `head` to where it arrives next; `connector` is to be used as the flight's
+    /// [`Connection`] says.
     fn propagate(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
         sampler: &mut Sampler,
-        connector: Option<&mut dyn Connector>,
+        connector: &mut dyn Connector,
     ) -> Arrival;
 }
 

@@ -20,9 +20,16 @@
 //!
 //! **Short queries.** In an object that contains nothing else the walk runs in the object's own space, and a flight
 //! shorter than a lower bound of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query.
+//!
+//! **Aimed connections.** At an event near the boundary, with probability a (less with depth and for paths of little
+//! weight), a direction of density q is also aimed at a light beyond the boundary ([`super::Aim`]), and the light that it
+//! finds directly is added. The path itself may find the same light: its direction has density p (the phase function),
+//! and it reaches the boundary with probability P. Both are weighed by the power heuristic with r = a q/(p P)
+//! ([`PathHead::aimed`]): 1/(1 + r²) for the path, r²/(1 + r²) for the aimed direction, and the sampling of light at the
+//! boundary, which both share, cancels.
 
-use super::{Arrival, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
-use crate::geometry::{Hit, Ray, offset_origin};
+use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
+use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
 use crate::optics::HenyeyGreenstein;
 use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::Scene;
@@ -30,6 +37,15 @@ use glam::{Vec2, Vec3};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
+
+/// Depth below the boundary, in the longest mean free path, down to which directions are aimed at lights.
+const AIMING_DEPTH: f32 = 2.0;
+/// Probability of aiming at the boundary, and how fast it falls with depth. Measured: more costs more than it saves.
+const AIMING_RATE: f32 = 0.35;
+const AIMING_FALLOFF: f32 = 1.5;
+
+/// Ratios of densities are cut here, so that their squares stay finite.
+const LARGEST_RATIO: f32 = 1e15;
 
 /// The ground truth.
 pub struct RandomWalk;
@@ -56,16 +72,18 @@ impl Propagator for Walker {
         flight: &Flight<'_>,
         head: &mut PathHead,
         sampler: &mut Sampler,
-        connector: Option<&mut dyn Connector>,
+        connector: &mut dyn Connector,
     ) -> Arrival {
         let material = flight.scene.material(flight.enclosure.material);
         let textures = material.medium.as_ref();
         if textures.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some()) {
             return textured::propagate(flight, head, sampler, connector);
         }
-        match (&flight.object.distance, connector) {
-            (Some(_), None) => walk_alone(flight, head, sampler.rng()),
-            (_, connector) => walk_in_scene(flight, head, sampler, connector),
+        match (&flight.object.distance, flight.connection) {
+            (Some(distance), Connection::None | Connection::Boundary) => {
+                walk_alone(flight, distance, head, sampler, connector)
+            }
+            _ => walk_in_scene(flight, head, sampler, connector),
         }
     }
 }
@@ -115,6 +133,12 @@ impl Coefficients {
         throughput * transmittance * (throughput.element_sum() / (throughput * transmittance).element_sum())
     }
 
+    /// The probability to reach `t` without a collision, under the mixture over channels.
+    #[inline]
+    pub fn arrival_probability(&self, throughput: Vec3, t: f32) -> f32 {
+        (throughput * (-self.sigma_t * t).exp()).element_sum() / throughput.element_sum()
+    }
+
     /// e^{−σt t} up to a common factor, which both weights cancel: relative to the clearest channel that still carries
     /// light, so that the sum cannot underflow.
     #[inline]
@@ -152,14 +176,23 @@ pub(super) fn roulette(throughput: &mut Vec3, scale: f32, rng: &mut SmallRng) ->
 }
 
 /// The walk in an object that contains nothing else, in the object's own space.
-fn walk_alone(flight: &Flight<'_>, head: &mut PathHead, rng: &mut SmallRng) -> Arrival {
+fn walk_alone(
+    flight: &Flight<'_>,
+    distance: &DistanceBound,
+    head: &mut PathHead,
+    sampler: &mut Sampler,
+    connector: &mut dyn Connector,
+) -> Arrival {
     let instance = flight.enclosure.instance;
-    let Some(distance) = flight.object.distance.as_deref() else { return Arrival::Ended };
     let mesh = flight.scene.geometry.mesh_of(instance);
     let transform = flight.scene.geometry.transform(instance);
     let medium = flight.medium;
     let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, transform.scale);
     let radiance_scale = medium.ior * medium.ior;
+    let least_sigma_t = c.sigma_t.min_element();
+    let aims = flight.connection == Connection::Boundary;
+    let mut aiming = Aiming { mesh, transform, distance, aim: Aim::default(), rate: 0.0, state: None };
+    let mut phase_pdf = 0.0;
 
     let mut d = transform.inverse_direction(head.direction);
     let mut p = match &head.start {
@@ -170,17 +203,19 @@ fn walk_alone(flight: &Flight<'_>, head: &mut PathHead, rng: &mut SmallRng) -> A
         _ => transform.inverse_point(head.position),
     };
     let mut beta = head.throughput;
-    let mut first = true;
+    let mut bound = 0.0;
     let arrival = loop {
-        let t = c.sample_distance(beta, rng);
-        // The first flight starts on the boundary, where the bound is zero.
-        if first || t >= distance.bound(p) {
-            first = false;
+        let t = c.sample_distance(beta, sampler.rng());
+        if t >= bound {
             if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max: t }) {
+                if aiming.rate > 0.0 && aiming.ready(p, bound, connector) {
+                    let density = phase_pdf * c.arrival_probability(beta, hit.t);
+                    let aimed = aiming.rate * aiming.aim.pdf(transform.direction(d));
+                    head.aimed = (aimed / density).min(LARGEST_RATIO);
+                }
                 beta = c.arrival(beta, hit.t);
                 p += d * hit.t;
-                let t = hit.t * transform.scale;
-                break Arrival::Surface(Hit { t, instance, triangle: hit.triangle, u: hit.u, v: hit.v });
+                break Arrival::Surface(placed(&hit, instance, transform.scale));
             }
             if t == f32::INFINITY {
                 break Arrival::Escaped;
@@ -188,10 +223,37 @@ fn walk_alone(flight: &Flight<'_>, head: &mut PathHead, rng: &mut SmallRng) -> A
         }
         beta = c.collision(beta, t);
         p += d * t;
-        d = redirect(c.phase, d, rng);
         head.events += 1;
-        if head.events >= flight.budget || !roulette(&mut beta, radiance_scale, rng) {
+        if head.events >= flight.budget || !roulette(&mut beta, radiance_scale, sampler.rng()) {
             break Arrival::Ended;
+        }
+        bound = distance.bound(p);
+        aiming.forget();
+        let depth = bound * least_sigma_t;
+        if aims && depth < AIMING_DEPTH {
+            // A path of little weight is not worth aiming.
+            let worth = (beta.max_element() * radiance_scale).min(1.0);
+            aiming.rate = AIMING_RATE * worth * (-AIMING_FALLOFF * depth).exp();
+            if sampler.rng().f32() < aiming.rate
+                && aiming.ready(p, bound, connector)
+                && let Some((direction, pdf)) = aiming.aim.sample(sampler.rng())
+            {
+                let local = transform.inverse_direction(direction);
+                let ray = Ray { origin: p, direction: local, t_max: f32::INFINITY };
+                if let Some(hit) = mesh.intersect(&ray) {
+                    let phase = c.phase.eval_directions(d, local);
+                    let density = phase * c.arrival_probability(beta, hit.t);
+                    let throughput = beta * (-c.sigma_t * hit.t).exp() * (phase / (pdf * aiming.rate));
+                    let ratio = (aiming.rate * pdf / density).min(LARGEST_RATIO);
+                    let hit = placed(&hit, instance, transform.scale);
+                    connector.emerge(&hit, direction, throughput, ratio, sampler);
+                }
+            }
+        }
+        let incoming = d;
+        d = redirect(c.phase, incoming, sampler.rng());
+        if aiming.rate > 0.0 {
+            phase_pdf = c.phase.eval_directions(incoming, d);
         }
     };
     head.position = transform.point(p);
@@ -200,14 +262,52 @@ fn walk_alone(flight: &Flight<'_>, head: &mut PathHead, rng: &mut SmallRng) -> A
     arrival
 }
 
+/// Aiming at the last event: how likely it was, and the directions, which are found when they are asked for.
+struct Aiming<'a> {
+    mesh: &'a MeshGeometry,
+    transform: &'a Similarity,
+    distance: &'a DistanceBound,
+    aim: Aim,
+    /// Probability that a direction was aimed.
+    rate: f32,
+    /// Whether there is anything to aim at, once that is known.
+    state: Option<bool>,
+}
+
+impl Aiming<'_> {
+    fn forget(&mut self) {
+        self.rate = 0.0;
+        self.state = None;
+    }
+
+    /// Finds the directions from `p`, where the boundary is at least `bound` away.
+    fn ready(&mut self, p: Vec3, bound: f32, connector: &mut dyn Connector) -> bool {
+        if let Some(state) = self.state {
+            return state;
+        }
+        let state = self.mesh.nearest(p, self.distance.reach(bound)).is_some_and(|nearest| {
+            let normal = self.transform.direction(self.mesh.geometric_normal(nearest.triangle));
+            connector.aim(self.transform.point(p), normal, &mut self.aim)
+        });
+        self.state = Some(state);
+        state
+    }
+}
+
+/// A hit of an instance's mesh as one of the scene.
+fn placed(hit: &MeshHit, instance: u32, scale: f32) -> Hit {
+    Hit { t: hit.t * scale, instance, triangle: hit.triangle, u: hit.u, v: hit.v }
+}
+
 /// The walk among whatever else is inside, in world space.
 fn walk_in_scene(
     flight: &Flight<'_>,
     head: &mut PathHead,
     sampler: &mut Sampler,
-    mut connector: Option<&mut dyn Connector>,
+    connector: &mut dyn Connector,
 ) -> Arrival {
     let medium = flight.medium;
+    let straight = flight.connection == Connection::Straight;
     let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
     let radiance_scale = medium.ior * medium.ior;
     loop {
@@ -223,7 +323,7 @@ fn walk_in_scene(
         }
         head.throughput = c.collision(head.throughput, t);
         head.position += head.direction * t;
-        if !scatter(head, c.phase, sampler, &mut connector) {
+        if !scatter(head, c.phase, sampler, straight.then_some(&mut *connector)) {
             return Arrival::Ended;
         }
         if head.events >= flight.budget || !roulette(&mut head.throughput, radiance_scale, sampler.rng()) {
@@ -255,14 +355,14 @@ pub(super) fn scatter(
     head: &mut PathHead,
     phase: HenyeyGreenstein,
     sampler: &mut Sampler,
-    connector: &mut Option<&mut dyn Connector>,
+    mut connector: Option<&mut dyn Connector>,
 ) -> bool {
     head.events += 1;
     if head.throughput.max_element() <= 0.0 {
         return false;
     }
     let incoming = head.direction;
-    if let Some(connector) = connector {
+    if let Some(connector) = &mut connector {
         connector.scattered(head.position, incoming, head.throughput, phase, sampler);
     }
     head.direction = redirect(phase, incoming, sampler.rng());

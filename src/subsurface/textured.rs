@@ -12,7 +12,7 @@
 //! The nearest boundary point of the last event bounds the next search: it is at most the distance travelled farther.
 
 use super::random_walk::{roulette, scatter};
-use super::{Arrival, Connector, Flight, PathHead};
+use super::{Arrival, Connection, Connector, Flight, PathHead};
 use crate::geometry::Ray;
 use crate::sampling::{Sampler, SmallRng};
 use crate::scene::{Scene, Surface};
@@ -93,13 +93,14 @@ pub(super) fn propagate(
     flight: &Flight<'_>,
     head: &mut PathHead,
     sampler: &mut Sampler,
-    mut connector: Option<&mut dyn Connector>,
+    connector: &mut dyn Connector,
 ) -> Arrival {
     let medium = flight.medium;
     let majorant = medium.sigma_t.max_element();
     let radiance_scale = medium.ior * medium.ior;
     let mut textured = TexturedMedium::new(flight.scene, flight.enclosure);
     let alone = flight.object.isolated;
+    let straight = flight.connection == Connection::Straight;
     loop {
         let t = if majorant > 0.0 { -sampler.rng().open01().ln() / majorant } else { f32::INFINITY };
         let ray = Ray { origin: head.position, direction: head.direction, t_max: t };
@@ -127,7 +128,7 @@ pub(super) fn propagate(
         let real = scattered / total;
         if sampler.rng().f32() < real {
             head.throughput *= sigma_s / (majorant * real);
-            if !scatter(head, medium.phase(), sampler, &mut connector) {
+            if !scatter(head, medium.phase(), sampler, straight.then_some(&mut *connector)) {
                 return Arrival::Ended;
             }
         } else {

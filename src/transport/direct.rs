@@ -1,12 +1,13 @@
 //! Next-event estimation: connecting a vertex to a light, and what the connection loses on its way.
 
 use super::media::{Crossing, Enclosure, MediumStack};
-use super::path::{PathTracer, Vertex};
+use super::path::PathTracer;
 use crate::geometry::{Ray, offset_origin};
-use crate::optics::{Bsdf, HenyeyGreenstein};
-use crate::sampling::{Sampler, power_heuristic};
+use crate::optics::Bsdf;
+use crate::optics::boundary::MATCHED_INDEX;
+use crate::sampling::{Sampler, orthonormal_basis, power_heuristic};
 use crate::scene::{AlphaMode, Surface};
-use crate::subsurface::{Connector, TexturedMedium};
+use crate::subsurface::TexturedMedium;
 use glam::{Mat3, Vec3};
 
 /// Shadow rays end this fraction before the light, so that they do not meet the emitter itself. Relative, hence free
@@ -29,6 +30,55 @@ pub(super) struct Shaded<'a> {
     pub light_normal: Option<Vec3>,
     /// Whether light can come from the inside of the boundary.
     pub lit_inside: bool,
+    /// How the vertex was reached, and how much likelier it was the other way.
+    pub reached: Reached,
+}
+
+/// How a boundary was reached from inside. Light found directly beyond it has three techniques: the path itself with
+/// light sampling, the path itself with a scattered ray, and an aimed direction with light sampling. They are weighed by
+/// the power heuristic; `aimed` is the ratio of the third's density to the first's.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reached {
+    pub aimed: f32,
+    /// Whether this is the aimed direction.
+    pub by_aiming: bool,
+}
+
+impl Shaded<'_> {
+    /// Sets the frame, the outgoing direction and which lights count. Where the shading normal would put the viewer on the
+    /// other side of the surface, the geometric one is used.
+    pub fn orient(&mut self, wo: Vec3, normal: Vec3, see_through: bool) {
+        let consistent = (wo.dot(normal) > 0.0) == self.front && wo.dot(normal) != 0.0;
+        let mut z = if consistent { normal } else { self.surface.geometric_normal };
+        if !see_through && !self.front {
+            z = -z;
+        }
+        let (x, y) = orthonormal_basis(z);
+        self.frame = Mat3::from_cols(x, y, z);
+        self.wo = self.frame.transpose() * wo;
+        self.light_normal = match (see_through, self.enclosure) {
+            (false, _) => Some(z),
+            (true, Some(_)) if !self.lit_inside => Some(z),
+            _ => None,
+        };
+    }
+
+    /// Weight of a light sample of density `light`, which a scattered ray finds with density `by_chance`.
+    fn light_weight(&self, light: f32, by_chance: f32) -> f32 {
+        let (chance, aimed) = (by_chance / light, self.reached.aimed);
+        if self.reached.by_aiming {
+            // r²/(1 + c² + r²), written so that nothing overflows.
+            let (one, c) = (aimed.recip(), chance / aimed);
+            1.0 / (1.0 + one * one + c * c)
+        } else {
+            1.0 / (1.0 + chance * chance + aimed * aimed)
+        }
+    }
+}
+
+/// Weight of light of light-sampling density `light` that a scattered ray of density `by_chance` has found.
+pub(super) fn chance_weight(by_chance: f32, light: f32, aimed: f32) -> f32 {
+    power_heuristic(by_chance, light * (1.0 + aimed * aimed).sqrt())
 }
 
 impl PathTracer<'_> {
@@ -51,7 +101,8 @@ impl PathTracer<'_> {
         if f.max_element() <= 0.0 {
             return Vec3::ZERO;
         }
-        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, s.bsdf.pdf(s.wo, wi)) };
+        let by_chance = if light.delta { 0.0 } else { s.bsdf.pdf(s.wo, wi) };
+        let weight = s.light_weight(light.pdf, by_chance);
         let contribution = f * light.radiance * (weight / light.pdf);
         if contribution.max_element() <= 0.0 {
             return Vec3::ZERO;
@@ -148,7 +199,7 @@ impl PathTracer<'_> {
             let (crossing, eta) = self.interface(stack, enclosure, entering);
             if crossing == Crossing::Hidden {
                 through = Vec3::ONE;
-            } else if eta == 1.0 {
+            } else if (eta - 1.0).abs() < MATCHED_INDEX {
                 through = self.scene.straight_transmission(surface);
             }
             if entering { stack.enter(enclosure) } else { stack.leave(enclosure.instance) }
@@ -180,39 +231,5 @@ impl PathTracer<'_> {
             Crossing::Hidden => (crossing, 1.0),
             Crossing::Interface { outside } => (crossing, inside / outside.map_or(1.0, ior)),
         }
-    }
-}
-
-/// Connects scattering events inside of a medium to lights.
-pub(super) struct InteriorLight<'a, 'b> {
-    pub tracer: &'a PathTracer<'b>,
-    pub stack: MediumStack,
-    pub radiance: Vec3,
-    pub vertex: Option<Vertex>,
-}
-
-impl Connector for InteriorLight<'_, '_> {
-    fn scattered(
-        &mut self,
-        point: Vec3,
-        incoming: Vec3,
-        throughput: Vec3,
-        phase: HenyeyGreenstein,
-        sampler: &mut Sampler,
-    ) {
-        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
-        let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
-        let f = phase.eval_directions(incoming, light.direction);
-        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
-        let contribution = throughput * light.radiance * (f * weight / light.pdf);
-        if contribution.max_element() > 0.0 {
-            let through =
-                self.tracer.transmittance(point, light.direction, light.distance, self.stack, sampler);
-            self.radiance += contribution * through;
-        }
-    }
-
-    fn redirected(&mut self, point: Vec3, pdf: f32) {
-        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true });
     }
 }

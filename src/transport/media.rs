@@ -62,6 +62,12 @@ impl MediumStack {
         self.len == 0
     }
 
+    /// How many objects are around the path.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.len.into()
+    }
+
     /// Whether `instance` is around the path.
     pub fn contains(&self, instance: u32) -> bool {
         self.entries[..self.len as usize].iter().any(|e| e.instance == instance)

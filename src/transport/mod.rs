@@ -5,6 +5,7 @@
 //! every pixel sums its samples in order, whatever the number of threads.
 
 mod direct;
+mod emerge;
 mod media;
 mod path;
 mod render;

@@ -1,13 +1,15 @@
 //! One path: from the camera through surfaces and media until it finds no more light.
 
-use super::direct::{InteriorLight, Shaded};
+use super::direct::{Reached, Shaded, chance_weight};
+use super::emerge::FlightLights;
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::render::RenderOptions;
 use crate::geometry::{Hit, Ray, offset_origin};
-use crate::optics::{Bsdf, DiffuseExit};
-use crate::sampling::{Sampler, orthonormal_basis, power_heuristic};
-use crate::scene::{AlphaMode, Camera, Scene, Shading, Surface};
-use crate::subsurface::{Arrival, Flight, PathHead, Propagator, Start};
+use crate::optics::boundary::MATCHED_INDEX;
+use crate::optics::{Bsdf, DiffuseExit, Medium};
+use crate::sampling::{Sampler, power_heuristic};
+use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
+use crate::subsurface::{Arrival, Connection, Flight, PathHead, Propagator, Start};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
@@ -25,6 +27,8 @@ pub(super) struct Vertex {
     pub pdf: f32,
     /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
     pub connected: bool,
+    /// As [`PathHead::aimed`], for light found directly from here.
+    pub aimed: f32,
 }
 
 /// Events that tell of trouble, and work done; sums over all threads.
@@ -83,7 +87,7 @@ impl PathTracer<'_> {
     }
 
     fn trace(&self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
-        let start = Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false };
+        let start = Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false, aimed: 0.0 };
         let mut path = Path {
             head: PathHead {
                 position: ray.origin,
@@ -91,6 +95,7 @@ impl PathTracer<'_> {
                 throughput: Vec3::ONE,
                 events: 0,
                 start: None,
+                aimed: 0.0,
             },
             stack: self.surrounding,
             vertex: start,
@@ -136,24 +141,19 @@ impl PathTracer<'_> {
         }
         let object = &self.scene.objects[enclosure.instance as usize];
         let budget = self.options.max_depth - path.events;
-        let flight = Flight { scene: self.scene, enclosure, object, medium, budget };
+        let connection = self.connection(path, object, medium);
+        let flight = Flight { scene: self.scene, enclosure, object, medium, budget, connection };
         path.head.events = 0;
-        let arrival = if object.lit_inside || medium.ior == 1.0 {
-            let mut lights =
-                InteriorLight { tracer: self, stack: path.stack, radiance: Vec3::ZERO, vertex: None };
-            let arrival = self.model.propagate(&flight, &mut path.head, sampler, Some(&mut lights));
-            *radiance += lights.radiance;
-            if let Some(vertex) = lights.vertex {
-                path.vertex = vertex;
-            }
-            arrival
-        } else {
-            let arrival = self.model.propagate(&flight, &mut path.head, sampler, None);
-            if path.head.events > 0 {
-                path.vertex = Vertex { point: path.head.position, normal: None, pdf: 1.0, connected: false };
-            }
-            arrival
-        };
+        path.head.aimed = 0.0;
+        let mut lights = FlightLights::new(self, path.stack, enclosure);
+        let arrival = self.model.propagate(&flight, &mut path.head, sampler, &mut lights);
+        *radiance += lights.radiance;
+        if let Some(vertex) = lights.vertex {
+            path.vertex = vertex;
+        } else if path.head.events > 0 {
+            path.vertex =
+                Vertex { point: path.head.position, normal: None, pdf: 1.0, connected: false, aimed: 0.0 };
+        }
         path.events = path.events.saturating_add(path.head.events);
         let events = path.head.events;
         self.count(|c| {
@@ -162,6 +162,17 @@ impl PathTracer<'_> {
         });
         path.direct_view &= events == 0;
         arrival
+    }
+
+    /// How the scattering events of a flight can be connected to lights.
+    fn connection(&self, path: &Path, object: &Object, medium: &Medium) -> Connection {
+        if object.lit_inside || (medium.ior - 1.0).abs() < MATCHED_INDEX {
+            Connection::Straight
+        } else if object.aimable && path.stack.len() == 1 && self.options.aim {
+            Connection::Boundary
+        } else {
+            Connection::None
+        }
     }
 
     fn textured(&self, enclosure: Enclosure) -> bool {
@@ -182,11 +193,13 @@ impl PathTracer<'_> {
     /// Radiance of the environment at the end of a path.
     fn environment(&self, path: &Path) -> Vec3 {
         let radiance = self.scene.lights.environment_radiance(path.head.direction);
-        let mut weight = 1.0;
+        let weight;
         if path.vertex.connected {
             let v = &path.vertex;
             let light = self.scene.lights.environment_pdf(v.point, v.normal, path.head.direction);
-            weight = power_heuristic(v.pdf, light);
+            weight = chance_weight(v.pdf, light, v.aimed);
+        } else {
+            weight = power_heuristic(1.0, path.vertex.aimed);
         }
         let mut scale = 1.0;
         if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
@@ -226,7 +239,9 @@ impl PathTracer<'_> {
                 path.stack.enter(e);
             }
             let (crossing, index) = self.interface(&path.stack, e, front);
-            if crossing == Crossing::Hidden || (index == 1.0 && self.scene.is_clear(&surface)) {
+            if crossing == Crossing::Hidden
+                || ((index - 1.0).abs() < MATCHED_INDEX && self.scene.is_clear(&surface))
+            {
                 path.cross(e, front);
                 path.pass(&surface);
                 return true;
@@ -236,6 +251,9 @@ impl PathTracer<'_> {
         path.direct_view = false;
         let shading = Shading::new(self.scene, &surface);
         let bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
+        if !matches!(bsdf, Bsdf::Boundary(_)) {
+            path.head.aimed = 0.0;
+        }
         let lit_inside = enclosure.is_none_or(|e| {
             let object = &self.scene.objects[e.instance as usize];
             object.lit_inside || !object.isolated
@@ -249,6 +267,7 @@ impl PathTracer<'_> {
             enclosure,
             light_normal: None,
             lit_inside,
+            reached: Reached { aimed: path.head.aimed, by_aiming: false },
         };
         self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
     }
@@ -277,6 +296,7 @@ impl PathTracer<'_> {
             enclosure: None,
             light_normal: Some(surface.normal),
             lit_inside: false,
+            reached: Reached::default(),
         };
         self.scatter(shaded, surface.normal, false, path, radiance, sampler)
     }
@@ -291,22 +311,8 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> bool {
-        let wo = -path.head.direction;
         let geometric = shaded.surface.geometric_normal;
-        // Where the shading normal would put the viewer on the other side of the surface, the geometric one is used.
-        let consistent = (wo.dot(normal) > 0.0) == shaded.front && wo.dot(normal) != 0.0;
-        let mut z = if consistent { normal } else { geometric };
-        if !see_through && !shaded.front {
-            z = -z;
-        }
-        let (x, y) = orthonormal_basis(z);
-        shaded.frame = Mat3::from_cols(x, y, z);
-        shaded.wo = shaded.frame.transpose() * wo;
-        shaded.light_normal = match (see_through, shaded.enclosure) {
-            (false, _) => Some(z),
-            (true, Some(_)) if !shaded.lit_inside => Some(z),
-            _ => None,
-        };
+        shaded.orient(-path.head.direction, normal, see_through);
         let connected = !shaded.bsdf.is_delta();
         if connected {
             *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, sampler);
@@ -316,13 +322,19 @@ impl PathTracer<'_> {
         let mut wi = (shaded.frame * sample.wi).normalize();
         let mut weighed = connected && !sample.delta;
         let to_front = shaded.front != sample.transmitted;
-        if (wi.dot(geometric) > 0.0) != to_front {
+        let consistent = (wi.dot(geometric) > 0.0) == to_front;
+        if !consistent {
             // The shading normal sends the light through the triangle on the wrong side. Losing it would darken
             // silhouettes and break the furnace: it is mirrored back, and as no light sampling can make such a
             // connection it counts in full.
             wi -= 2.0 * wi.dot(geometric) * geometric;
             weighed = false;
         }
+        // The aimed direction finds what a refracted ray of a smooth boundary finds, and what light sampling finds
+        // through a rough one.
+        let rival = if sample.transmitted && consistent { path.head.aimed } else { 0.0 };
+        let aimed = if connected == weighed { rival } else { 0.0 };
+        path.head.aimed = 0.0;
         path.head.throughput *= sample.weight;
         path.head.direction = wi;
         if let Some(e) = shaded.enclosure
@@ -335,6 +347,7 @@ impl PathTracer<'_> {
             normal: shaded.light_normal,
             pdf: sample.pdf,
             connected: weighed,
+            aimed,
         };
         path.leave_surface(shaded.surface);
         path.bounces += 1;
@@ -368,14 +381,15 @@ impl PathTracer<'_> {
 
     /// Emission of a surface that was hit by chance.
     fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
-        let mut weight = 1.0;
-        if path.vertex.connected
-            && let Some(id) = self.scene.lights.emitter_id(surface.instance, surface.triangle)
-        {
-            let v = &path.vertex;
-            let light = self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position);
-            weight = power_heuristic(v.pdf, light);
-        }
+        let v = &path.vertex;
+        let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
+        let weight = match id.filter(|_| v.connected) {
+            Some(id) => {
+                let light = self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position);
+                chance_weight(v.pdf, light, v.aimed)
+            }
+            None => power_heuristic(1.0, v.aimed),
+        };
         path.head.throughput * self.scene.emission(surface) * weight
     }
 }

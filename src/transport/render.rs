@@ -42,6 +42,8 @@ pub struct RenderOptions {
     pub max_depth: u32,
     /// Whether rough surfaces scatter more than once.
     pub microfacet: Microfacet,
+    /// Whether paths below a surface are also aimed at lights beyond it; off, the same picture is noisier.
+    pub aim: bool,
 }
 
 /// Progress and cancellation, from whoever waits.

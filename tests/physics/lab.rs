@@ -144,6 +144,7 @@ pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOption
         subsurface: "random-walk".into(),
         max_depth: 1_000_000,
         microfacet: Microfacet::Multiple,
+        aim: true,
     }
 }
 

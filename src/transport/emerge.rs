@@ -1,0 +1,126 @@
+//! Light for the scattering events of a flight below a surface: in straight lines where nothing bends it, through the
+//! boundary of the object where directions can be aimed.
+
+use super::direct::{Reached, Shaded};
+use super::media::{Enclosure, MediumStack};
+use super::path::{PathTracer, Vertex};
+use crate::geometry::{Hit, Ray, offset_origin};
+use crate::optics::{Bsdf, HenyeyGreenstein};
+use crate::sampling::{Sampler, power_heuristic};
+use crate::scene::{Shading, Surface};
+use crate::subsurface::{Aim, Connector};
+use glam::{Mat3, Vec2, Vec3};
+
+/// The lobe number that chooses refraction where there is any.
+const REFRACT: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The lights, as a flight sees them.
+pub(super) struct FlightLights<'a, 'b> {
+    tracer: &'a PathTracer<'b>,
+    stack: MediumStack,
+    enclosure: Enclosure,
+    /// Light gathered on the way.
+    pub radiance: Vec3,
+    /// The last event, where directions found by chance are to be weighed.
+    pub vertex: Option<Vertex>,
+}
+
+impl<'a, 'b> FlightLights<'a, 'b> {
+    pub fn new(tracer: &'a PathTracer<'b>, stack: MediumStack, enclosure: Enclosure) -> Self {
+        Self { tracer, stack, enclosure, radiance: Vec3::ZERO, vertex: None }
+    }
+
+    /// Light found by refracting straight on through a smooth boundary.
+    fn refracted(&self, shaded: &Shaded<'_>, aimed: f32) -> Vec3 {
+        let Some(sample) = shaded.bsdf.sample(shaded.wo, REFRACT, Vec2::splat(0.5)) else {
+            return Vec3::ZERO;
+        };
+        let direction = (shaded.frame * sample.wi).normalize();
+        let n = shaded.surface.geometric_normal;
+        if !sample.transmitted || direction.dot(n) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let origin = offset_origin(shaded.surface.position, shaded.surface.error, n, direction);
+        self.tracer.count_ray();
+        let scene = self.tracer.scene;
+        let light = match scene.geometry.intersect(&Ray { origin, direction, t_max: f32::INFINITY }) {
+            None => scene.lights.environment_radiance(direction),
+            Some(hit) => {
+                let surface = Surface::new(scene, &hit);
+                let material = scene.material(surface.material);
+                let front = direction.dot(surface.geometric_normal) < 0.0;
+                if material.unlit || !(front || material.double_sided) {
+                    return Vec3::ZERO;
+                }
+                scene.emission(&surface)
+            }
+        };
+        // r²/(1 + r²)
+        light * sample.weight * (sample.pdf * power_heuristic(aimed, 1.0))
+    }
+}
+
+impl Connector for FlightLights<'_, '_> {
+    fn scattered(
+        &mut self,
+        point: Vec3,
+        incoming: Vec3,
+        throughput: Vec3,
+        phase: HenyeyGreenstein,
+        sampler: &mut Sampler,
+    ) {
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
+        let f = phase.eval_directions(incoming, light.direction);
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
+        let contribution = throughput * light.radiance * (f * weight / light.pdf);
+        if contribution.max_element() > 0.0 {
+            let (direction, distance) = (light.direction, light.distance);
+            self.radiance +=
+                contribution * self.tracer.transmittance(point, direction, distance, self.stack, sampler);
+        }
+    }
+
+    fn redirected(&mut self, point: Vec3, pdf: f32) {
+        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true, aimed: 0.0 });
+    }
+
+    fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
+        let scene = self.tracer.scene;
+        let material = scene.material(self.enclosure.material);
+        let Some(medium) = &material.medium else { return false };
+        let alpha = material.roughness * material.roughness;
+        aim.set(&scene.beacons, point, normal, medium.ior, alpha)
+    }
+
+    fn emerge(&mut self, hit: &Hit, incoming: Vec3, throughput: Vec3, aimed: f32, sampler: &mut Sampler) {
+        let tracer = self.tracer;
+        let surface = Surface::new(tracer.scene, hit);
+        let Some(enclosure) = tracer.enclosure_of(&surface) else { return };
+        if incoming.dot(surface.geometric_normal) <= 0.0 {
+            return;
+        }
+        let (_, eta) = tracer.interface(&self.stack, enclosure, false);
+        let shading = Shading::new(tracer.scene, &surface);
+        let bsdf = shading.bsdf(eta, true, tracer.options.microfacet);
+        let Bsdf::Boundary(boundary) = &bsdf else { return };
+        let mut shaded = Shaded {
+            surface: &surface,
+            bsdf: &bsdf,
+            frame: Mat3::IDENTITY,
+            wo: Vec3::Z,
+            front: false,
+            enclosure: Some(enclosure),
+            light_normal: None,
+            lit_inside: false,
+            reached: Reached { aimed, by_aiming: true },
+        };
+        shaded.orient(-incoming, shading.normal, true);
+        let light = if boundary.is_delta() {
+            self.refracted(&shaded, aimed)
+        } else {
+            tracer.direct_surface(&shaded, &self.stack, sampler)
+        };
+        self.radiance += throughput * light;
+    }
+}
