@@ -17,8 +17,8 @@ const REGIONS: usize = 10;
 const DIRECTIONS: u32 = 1024;
 /// Rounds of the clustering.
 const ROUNDS: usize = 12;
-/// Regions wider than this (radians) are no direction to aim at.
-const WIDEST: f32 = 0.7;
+/// Regions wider than this (radians) are found well enough by chance: aiming at them costs more than it saves.
+const WIDEST: f32 = 0.15;
 
 /// A place that light comes from.
 #[derive(Clone, Copy, Debug)]
