@@ -38,8 +38,7 @@ impl MeshGeometry {
     /// As [`Self::build`]; where `reversed`, the front of a triangle sees it clockwise.
     pub fn build_oriented(positions: &[Vec3], triangles: &[[u32; 3]], reversed: bool) -> Self {
         let corners = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
-            let usable = |p: &Vec3| p.abs().cmple(Vec3::splat(GREATEST)).all();
-            let at = |i: u32| positions.get(i as usize).copied().filter(usable);
+            let at = |i: u32| positions.get(i as usize).copied().filter(|p| is_usable(*p));
             Some([at(t[0])?, at(t[1])?, at(t[2])?])
         };
         let corners: Vec<Option<[Vec3; 3]>> = triangles.par_iter().map(corners).collect();
@@ -234,6 +233,11 @@ impl MeshGeometry {
             NearestPoint { distance: p.distance(q), triangle, u, v }
         })
     }
+}
+
+/// Whether a position is finite, and small enough to compute with.
+pub(super) fn is_usable(p: Vec3) -> bool {
+    p.abs().cmple(Vec3::splat(GREATEST)).all()
 }
 
 /// The set bits of a lane mask.

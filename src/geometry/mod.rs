@@ -20,6 +20,8 @@ mod offset;
 mod ray;
 mod scene;
 #[cfg(test)]
+mod scene_tests;
+#[cfg(test)]
 mod shapes;
 mod similarity;
 #[cfg(test)]

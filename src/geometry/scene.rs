@@ -3,6 +3,9 @@
 //! Every instance maps its mesh by a [`Similarity`], so that directions stay unit vectors, angles are kept and lengths
 //! change by one factor: a walk through a medium can run in local space. A transform that shears or stretches has its
 //! linear part baked into a mesh of its own, and only its translation is left.
+//!
+//! A mesh that lies far from its own origin, measured by its size, is moved there: the differences are exact (Sterbenz's
+//! lemma), and local space gets back the digits that large coordinates waste.
 
 use super::lanes::Native;
 use super::mesh::MeshGeometry;
@@ -111,16 +114,24 @@ impl SceneGeometry {
             };
             placed.push(Instance { geometry: geometry as u32, transform });
         }
-        let build = |source: &Source| match source {
-            Source::Shared(mesh) => MeshGeometry::build(&meshes[*mesh].0, &meshes[*mesh].1),
-            Source::Baked(mesh, transform) => {
-                let (positions, triangles) = &meshes[*mesh];
-                let positions: Vec<Vec3> =
-                    positions.iter().map(|&p| transform.transform_vector3(p)).collect();
-                MeshGeometry::build_oriented(&positions, triangles, transform.matrix3.determinant() < 0.0)
+        let build = |source: &Source| {
+            let (mesh, linear) = match source {
+                Source::Shared(mesh) => (*mesh, None),
+                Source::Baked(mesh, transform) => (*mesh, Some(transform.matrix3)),
+            };
+            let (positions, triangles) = &meshes[mesh];
+            let mut positions = positions.clone();
+            if let Some(linear) = linear {
+                positions.iter_mut().for_each(|p| *p = linear * *p);
             }
+            let center = move_to_origin(&mut positions);
+            let reversed = linear.is_some_and(|linear| linear.determinant() < 0.0);
+            (MeshGeometry::build_oriented(&positions, triangles, reversed), center)
         };
-        let geometries: Vec<MeshGeometry> = sources.par_iter().map(build).collect();
+        let (geometries, centers): (Vec<MeshGeometry>, Vec<Vec3>) = sources.par_iter().map(build).unzip();
+        for instance in &mut placed {
+            instance.transform.translation = instance.transform.point(centers[instance.geometry as usize]);
+        }
         let bounds_of = |i: &Instance| i.transform.bounds(&geometries[i.geometry as usize].bounds());
         let bounds: Vec<Aabb> = placed.iter().map(bounds_of).collect();
         let kept: Vec<u32> = (0..placed.len() as u32)
@@ -219,6 +230,20 @@ impl SceneGeometry {
         let geometric_normal = transform.direction(mesh.geometric_normal(hit.triangle));
         SurfacePoint { position, error, geometric_normal }
     }
+}
+
+/// Moves points that lie far from the origin by the returned vector; no coordinate is rounded.
+fn move_to_origin(positions: &mut [Vec3]) -> Vec3 {
+    let usable = positions.iter().copied().filter(|p| super::mesh::is_usable(*p));
+    let bounds = usable.fold(Aabb::EMPTY, |b, p| b.union(Aabb { min: p, max: p }));
+    if bounds.is_empty() {
+        return Vec3::ZERO;
+    }
+    // Then every coordinate is within a factor of two of the centre's.
+    let far = bounds.center().abs().cmpgt(2.0 * bounds.extent());
+    let center = Vec3::select(far, bounds.center(), Vec3::ZERO);
+    positions.iter_mut().for_each(|p| *p -= center);
+    center
 }
 
 #[inline(always)]

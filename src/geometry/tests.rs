@@ -2,8 +2,8 @@
 
 use super::lanes::{Native, Portable};
 use super::shapes::{Random, cuboid, merge, place, soup, sphere};
-use super::{Aabb, GeometryError, MeshGeometry, MeshHit, Ray, SceneGeometry, Similarity, offset_origin};
-use glam::{Affine3A, DVec3, Mat3, Mat3A, Quat, Vec3};
+use super::{Aabb, MeshGeometry, MeshHit, Ray, offset_origin};
+use glam::Vec3;
 
 /// Möller & Trumbore in double precision: (t, u, v) of any crossing of the plane.
 fn exact(triangle: &[Vec3; 3], ray: &Ray) -> Option<(f64, f64, f64)> {
@@ -157,45 +157,6 @@ fn a_ray_that_leaves_a_triangle_does_not_find_it_again() {
 }
 
 #[test]
-fn slabs_of_every_thickness_keep_what_is_inside() {
-    for thickness in [1.0e-6_f32, 1.0e-3, 1.0, 1.0e3] {
-        for turn in [
-            Quat::IDENTITY,
-            Quat::from_rotation_x(0.7),
-            Quat::from_rotation_z(1.1) * Quat::from_rotation_y(2.0),
-        ] {
-            // Ten times as wide as thick, one face through the origin.
-            let wide = 5.0 * thickness;
-            let (positions, triangles) =
-                cuboid(Vec3::new(-wide, 0.0, -wide), Vec3::new(wide, thickness, wide));
-            let place = Affine3A::from_rotation_translation(turn, Vec3::new(0.1, -0.2, 0.3) * thickness);
-            let scene = SceneGeometry::build(vec![(positions, triangles)], &[(0, place)]).unwrap();
-            let mut random = Random(13);
-            for _ in 0..20_000 {
-                let local = Vec3::new(2.0 * random.unit() - 1.0, 0.5, 2.0 * random.unit() - 1.0) * thickness;
-                let ray = Ray::new(place.transform_point3(local), random.direction());
-                let hit = scene.intersect(&ray).expect("the slab is closed");
-                let s = scene.surface(&hit);
-                // Back in: must leave through another face, after a distance of the slab's order.
-                let mut back = random.direction();
-                if back.dot(s.geometric_normal) > 0.0 {
-                    back = -back;
-                }
-                let inside = Ray::new(offset_origin(s.position, s.error, s.geometric_normal, back), back);
-                let out = scene.intersect(&inside).expect("the ray goes in");
-                let other = scene.surface(&out).geometric_normal;
-                assert!(other.dot(s.geometric_normal) < 0.5, "the same face is found again at {}", out.t);
-                // On: nothing is there.
-                let leave = Ray::new(offset_origin(s.position, s.error, s.geometric_normal, -back), -back);
-                assert!(!scene.occluded(&leave), "outside there is nothing");
-                // The offset is far below any length of the slab.
-                assert!(inside.origin.distance(s.position) < 1.0e-4 * thickness);
-            }
-        }
-    }
-}
-
-#[test]
 fn nearest_points_agree_with_brute_force() {
     let (positions, triangles) = soup(400, 0.3, 14);
     let mesh = MeshGeometry::build(&positions, &triangles);
@@ -277,107 +238,6 @@ fn hostile_meshes_do_no_harm() {
 }
 
 #[test]
-fn transforms_are_sorted_into_similar_affine_and_singular() {
-    let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.5);
-    let similar =
-        Affine3A::from_scale_rotation_translation(Vec3::splat(0.37), turn, Vec3::new(1.0, 2.0, 3.0));
-    let mirrored = Affine3A::from_scale_rotation_translation(Vec3::new(-2.0, 2.0, 2.0), turn, Vec3::ONE);
-    let stretched = Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 1.001, 1.0), turn, Vec3::ONE);
-    let flat = Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0));
-    let broken = Affine3A::from_mat3(Mat3::from_diagonal(Vec3::new(1.0, f32::NAN, 1.0)));
-    let similarity = Similarity::from_affine(&similar).unwrap();
-    assert!((similarity.scale - 0.37).abs() < 1.0e-7 && !similarity.mirrors());
-    assert!(Similarity::from_affine(&mirrored).unwrap().mirrors());
-    assert!(Similarity::from_affine(&stretched).is_none());
-    let mesh = sphere(1, 0.0, 1);
-    let build =
-        |transform| SceneGeometry::build(vec![mesh.clone()], &[(0, Affine3A::IDENTITY), (0, transform)]);
-    assert_eq!(build(similar).unwrap().geometry_count(), 1);
-    assert_eq!(build(mirrored).unwrap().geometry_count(), 1);
-    assert_eq!(build(stretched).unwrap().geometry_count(), 2);
-    for bad in [flat, broken] {
-        assert_eq!(build(bad).err(), Some(GeometryError::SingularTransform { instance: 1 }));
-    }
-    let none = SceneGeometry::build(Vec::new(), &[(3, Affine3A::IDENTITY)]).err();
-    assert_eq!(none, Some(GeometryError::NoSuchMesh { instance: 0, mesh: 3, count: 0 }));
-    let empty = SceneGeometry::build(Vec::new(), &[]).unwrap();
-    assert!(empty.bounds().is_empty() && empty.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none());
-}
-
-#[test]
-fn instances_answer_like_the_mesh_in_world_space() {
-    let mesh = sphere(3, 0.3, 17);
-    let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.5);
-    let transforms = [
-        Affine3A::from_scale_rotation_translation(Vec3::splat(0.4), turn, Vec3::new(-2.0, 0.0, 0.0)),
-        Affine3A::from_scale_rotation_translation(Vec3::new(0.4, 0.4, -0.4), turn, Vec3::ZERO),
-        Affine3A::from_scale_rotation_translation(Vec3::new(0.9, -0.2, 0.5), turn, Vec3::new(2.0, 0.0, 0.0)),
-        Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(0.5, 1.0, 0.0), Vec3::Z))
-            * Affine3A::from_translation(Vec3::Y * 3.0),
-    ];
-    let instances: Vec<_> = transforms.iter().map(|&t| (0, t)).collect();
-    let scene = SceneGeometry::build(vec![mesh.clone()], &instances).unwrap();
-    assert_eq!(scene.geometry_count(), 3);
-    let count = mesh.1.len() as u32;
-    let world = transforms.iter().fold((Vec::new(), Vec::new()), |all, t| {
-        merge(all, (mesh.0.iter().map(|&p| t.transform_point3(p)).collect(), mesh.1.clone()))
-    });
-    let flat = MeshGeometry::build(&world.0, &world.1);
-    let mut random = Random(18);
-    let (mut hits, mut all) = (0, Vec::new());
-    for _ in 0..20_000 {
-        let ray = Ray::new(4.0 * random.cube(), random.direction());
-        let (a, b) = (scene.intersect(&ray), flat.intersect(&ray));
-        assert_eq!(a.is_some(), b.is_some());
-        assert_eq!(scene.occluded(&ray), a.is_some());
-        let (Some(a), Some(b)) = (a, b) else { continue };
-        hits += 1;
-        if a.instance * count + a.triangle != b.triangle {
-            // Either triangle of an edge.
-            assert!((a.t - b.t).abs() < 1.0e-4);
-            continue;
-        }
-        assert!((a.t - b.t).abs() < 1.0e-4 && (a.u - b.u).abs() < 1.0e-2);
-        let s = scene.surface(&a);
-        let q = flat.point(b.triangle, b.u, b.v).0;
-        assert!(s.position.distance(q) < 1.0e-4);
-        // The front is where glTF says: the mesh's outside, also under a mirror.
-        let mirrored = transforms[a.instance as usize].matrix3.determinant() < 0.0;
-        let winding = flat.geometric_normal(b.triangle) * if mirrored { -1.0 } else { 1.0 };
-        assert!(s.geometric_normal.dot(winding) > 0.999);
-        assert!(s.geometric_normal.is_normalized());
-        assert_eq!(scene.intersect_instance(a.instance, &ray), Some(a));
-        scene.intersect_all_of(a.instance, &ray, &mut all);
-        assert_eq!(all[0], a);
-        // All crossings of a closed object are pairs, apart from rays through an edge.
-        assert!(all.len() % 2 == usize::from(s.geometric_normal.dot(ray.direction) > 0.0) || all.len() > 1);
-    }
-    assert!(hits > 1000);
-}
-
-#[test]
-fn similarities_invert_within_their_error() {
-    let mut random = Random(19);
-    for _ in 0..20_000 {
-        let scale = 10.0_f32.powf(6.0 * random.unit() - 3.0) * if random.unit() < 0.5 { -1.0 } else { 1.0 };
-        let turn = Quat::from_axis_angle(random.direction(), 6.0 * random.unit());
-        let shift = random.cube() * 10.0_f32.powf(6.0 * random.unit() - 3.0);
-        let affine = Affine3A { matrix3: Mat3A::from_quat(turn) * scale, translation: shift.into() };
-        let map = Similarity::from_affine(&affine).unwrap();
-        let p = random.cube();
-        let (q, error) = map.point_with_error(p, Vec3::ZERO);
-        let rotation = map.rotation.as_dmat3();
-        let truth = rotation * (p.as_dvec3() * f64::from(map.scale)) + shift.as_dvec3();
-        assert!((q.as_dvec3() - truth).abs().cmple(error.as_dvec3()).all());
-        let back: DVec3 = map.inverse_point(q).as_dvec3() - p.as_dvec3();
-        let back = (rotation * back * f64::from(map.scale)).abs();
-        assert!(back.cmple(error.as_dvec3()).all(), "{back} above {error}");
-        let n = random.direction();
-        assert!((map.inverse_direction(map.direction(n)) - n).length() < 1.0e-6);
-    }
-}
-
-#[test]
 fn builds_are_deterministic_and_boxes_are_exact() {
     let (positions, triangles) = sphere(5, 0.1, 20);
     let build = |threads| {
@@ -414,4 +274,29 @@ fn points_are_inside_where_they_should_be() {
     }
     // On symmetry planes, where axis-parallel rays would graze.
     assert!(mesh.contains(Vec3::new(0.75, 0.0, 0.0)) && !mesh.contains(Vec3::ZERO));
+}
+
+#[test]
+fn walks_that_bounce_inside_stay_inside() {
+    for (scale, shift, allowed) in [(1.0, Vec3::ZERO, 0), (1.0e5, Vec3::ZERO, 0), (1.0e-3, Vec3::ONE, 200)] {
+        let (positions, triangles) = place(sphere(4, 0.3, 23), scale, shift);
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        let mut random = Random(24);
+        let (mut ray, mut leaks) = (Ray::new(shift, Vec3::X), 0);
+        for _ in 0..300_000 {
+            let outwards = |hit: &MeshHit| mesh.geometric_normal(hit.triangle).dot(ray.direction) > 0.0;
+            let Some(hit) = mesh.intersect(&ray).filter(outwards) else {
+                leaks += 1;
+                ray = Ray::new(shift, random.direction());
+                continue;
+            };
+            let n = mesh.geometric_normal(hit.triangle);
+            let (p, error) = mesh.point(hit.triangle, hit.u, hit.v);
+            let inwards = (random.direction() - n).normalize();
+            ray = Ray::new(offset_origin(p, error, n, inwards), inwards);
+        }
+        // Where coordinates have few digits left (a millimetre at a metre), a point next to a sharp edge can be rounded
+        // or offset to the other side of the neighbouring triangle. Nothing local can tell.
+        assert!(leaks <= allowed, "{leaks} of 300000 bounces leave at scale {scale} from {shift}");
+    }
 }
