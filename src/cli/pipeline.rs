@@ -8,7 +8,8 @@ use crate::asset::{self, environment::load_environment};
 use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
 use crate::scene::{
-    CameraDescription, EnvironmentDescription, MeshDescription, SceneDescription, auto_camera,
+    CameraDescription, EnvironmentDescription, MaterialDescription, MeshDescription, SceneDescription,
+    auto_camera,
 };
 use crate::{subsurface, transport};
 use glam::Vec3;
@@ -59,15 +60,19 @@ pub(super) fn counters(stats: &RenderStats) -> Vec<(&'static str, u64)> {
     ]
 }
 
-/// Whether anything in the scene shines.
+/// Whether a material makes triangles into lamps. Emissive textures do not: they are mostly details, such as the
+/// lights of a dashboard, on models that are meant to be seen in some environment.
+pub(super) fn is_lamp(material: &MaterialDescription) -> bool {
+    material.emission.max_element() > 0.0 && material.emission_texture.is_none()
+}
+
+/// Whether the scene brings its own light: punctual lights, an environment, or lamps.
 pub(super) fn is_lit(scene: &SceneDescription) -> bool {
     let sky = match &scene.environment {
         EnvironmentDescription::Constant(radiance) => radiance.max_element() > 0.0,
         EnvironmentDescription::Map { .. } => true,
     };
-    let shines = |&material: &u32| {
-        scene.materials.get(material as usize).is_some_and(|m| m.emission.max_element() > 0.0)
-    };
+    let shines = |&material: &u32| scene.materials.get(material as usize).is_some_and(is_lamp);
     let mut meshes = scene.instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
     sky || !scene.lights.is_empty() || meshes.any(|mesh| mesh.triangle_materials.iter().any(shines))
 }
@@ -118,24 +123,81 @@ pub(super) fn adjust_environment(environment: &mut EnvironmentDescription, degre
     }
 }
 
-/// A camera that sees the whole scene: three-quarter view from slightly above, vertical field of view 35°.
+/// A camera that sees the whole scene: three-quarter view from slightly above, vertical field of view 35°. It frames
+/// the sphere around the middle of the bounds that holds every vertex, which is tighter than the one around the
+/// corners of the bounds.
 pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraDescription {
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for instance in &scene.instances {
-        for &position in scene.meshes.get(instance.mesh).map_or(&[][..], |mesh| &mesh.positions) {
-            let point = instance.transform.transform_point3(position);
-            if point.is_finite() {
-                (min, max) = (min.min(point), max.max(point));
-            }
-        }
-    }
+    let points = || {
+        let meshes = scene.instances.iter().filter_map(|i| Some((i, scene.meshes.get(i.mesh)?)));
+        let placed =
+            meshes.flat_map(|(i, mesh)| mesh.positions.iter().map(|&p| i.transform.transform_point3(p)));
+        placed.filter(|p| p.is_finite())
+    };
+    let (min, max) = points()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), point| (min.min(point), max.max(point)));
     if min.cmpgt(max).any() {
-        (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
+        return auto_camera(Vec3::NEG_ONE, Vec3::ONE, aspect);
     }
-    auto_camera(min, max, aspect)
+    let center = 0.5 * (min + max);
+    let radius = points().map(|point| point.distance(center)).fold(0.0, f32::max);
+    // The cube whose corners lie on that sphere.
+    let half = Vec3::splat(radius / 3f32.sqrt());
+    auto_camera(center - half, center + half, aspect)
 }
 
 /// Whether a mesh is closed, and where it is not.
 pub(super) fn topology(mesh: &MeshDescription) -> Topology {
     Topology::analyse(&MeshGeometry::build(&mesh.positions, &mesh.triangles))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ColorSpace, InstanceDescription, TextureRef};
+    use glam::{Affine2, Affine3A};
+
+    fn octahedron(material: MaterialDescription) -> SceneDescription {
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+        let mesh = MeshDescription {
+            positions: axes.to_vec(),
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+            ..Default::default()
+        };
+        let instance = InstanceDescription {
+            name: String::new(),
+            pointer: String::new(),
+            mesh: 0,
+            transform: Affine3A::from_translation(Vec3::splat(5.0)),
+        };
+        SceneDescription {
+            meshes: vec![mesh],
+            materials: vec![material],
+            instances: vec![instance],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn lamps_light_a_scene_and_glowing_textures_do_not() {
+        let glow = MaterialDescription { emission: Vec3::ONE, ..Default::default() };
+        let texture =
+            TextureRef { texture: 0, uv_set: 0, transform: Affine2::IDENTITY, color_space: ColorSpace::Srgb };
+        let display = MaterialDescription { emission_texture: Some(texture), ..glow.clone() };
+        assert!(!is_lit(&octahedron(MaterialDescription::default())));
+        assert!(is_lit(&octahedron(glow.clone())));
+        assert!(!is_lit(&octahedron(display)));
+        let mut unused = octahedron(glow);
+        unused.instances.clear();
+        assert!(!is_lit(&unused));
+    }
+
+    #[test]
+    fn the_automatic_camera_frames_the_vertices_not_the_corners_of_their_bounds() {
+        let camera = automatic_camera(&octahedron(MaterialDescription::default()), 1.5);
+        let distance = Vec3::from(camera.transform.translation).distance(Vec3::splat(5.0));
+        // A sphere of radius 1 seen under 35° is 1 / sin 17.5° = 3.33 away, and some margin.
+        assert!((3.3..3.9).contains(&distance), "{distance}");
+        assert!(automatic_camera(&SceneDescription::default(), 1.0).transform.is_finite());
+    }
 }

@@ -6,7 +6,7 @@
 //! little light back up. Lamps are rounded rectangles on the sphere with soft edges, above what a camera that looks
 //! at the object from the front sees as its background, which is a dim neutral gradient.
 //!
-//! Level: a white diffuse sphere is 0.7 on average (the mean radiance of the map), so it needs no exposure.
+//! Level: a white diffuse sphere is 0.66 on average (the mean radiance of the map), so it needs no exposure.
 
 use crate::scene::EnvironmentDescription;
 use glam::{Vec3, vec3};
@@ -17,7 +17,7 @@ const WIDTH: usize = 512;
 /// Rows of the map.
 const HEIGHT: usize = WIDTH / 2;
 /// Mean radiance over the sphere, channels averaged.
-const MEAN: f32 = 0.7;
+const MEAN: f32 = 0.66;
 
 /// A soft box: a rounded rectangle on the sphere of directions, bright in the middle.
 struct Lamp {
@@ -64,7 +64,7 @@ const LAMPS: [Lamp; 5] = [
         elevation: 22.0,
         half_size: [20.0, 22.0],
         edge: 12.0,
-        radiance: vec3(1.55, 1.7, 1.9),
+        radiance: vec3(1.35, 1.5, 1.7),
     },
     // Top light, wide and weak.
     Lamp {
@@ -76,7 +76,7 @@ const LAMPS: [Lamp; 5] = [
     },
 ];
 
-/// The studio as a map of 512 × 256 texels of linear Rec. 709 radiance, mean 0.7.
+/// The studio as a map of 512 × 256 texels of linear Rec. 709 radiance, mean 0.66.
 pub fn studio() -> EnvironmentDescription {
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT);
     let (mut sum, mut weight) = (0.0f64, 0.0f64);
@@ -106,7 +106,7 @@ pub fn studio() -> EnvironmentDescription {
 fn backdrop(y: f32) -> Vec3 {
     let floor = smoothstep(0.1, -1.0, y);
     let ceiling = smoothstep(0.0, 1.0, y);
-    Vec3::splat(0.19) + vec3(0.255, 0.25, 0.24) * floor + vec3(0.10, 0.105, 0.11) * ceiling
+    Vec3::splat(0.11) + vec3(0.204, 0.20, 0.192) * floor + vec3(0.10, 0.105, 0.11) * ceiling
 }
 
 /// A lamp in its own frame.

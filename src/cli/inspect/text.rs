@@ -3,7 +3,7 @@
 use super::format::{count, length, lengths, number, triple};
 use super::report::{MediumReport, ObjectReport, Report};
 use crate::cli::message::grouped;
-use crate::cli::pipeline::{Severity, is_lit};
+use crate::cli::pipeline::{Severity, is_lamp, is_lit};
 use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
 
@@ -77,7 +77,7 @@ fn lights(scene: &SceneDescription) -> String {
         (is_kind(|k| matches!(k, PunctualKind::Point)), "point"),
         (is_kind(|k| matches!(k, PunctualKind::Spot { .. })), "spot"),
         (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
-        (scene.materials.iter().filter(|m| m.emission.max_element() > 0.0).count(), "emissive materials"),
+        (scene.materials.iter().filter(|m| is_lamp(m)).count(), "emissive materials"),
     ];
     let found: Vec<String> =
         kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();
