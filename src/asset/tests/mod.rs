@@ -5,6 +5,7 @@ mod hostile;
 mod materials;
 mod meshes;
 mod nodes;
+mod oracle;
 mod uris;
 
 use std::path::Path;
