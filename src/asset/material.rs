@@ -42,7 +42,12 @@ impl Loader<'_> {
         if let Some(info) = json.object("normalTexture")? {
             out.normal_scale = self.factor(&info, "scale", 1.0, -MAX_NORMAL_SCALE..=MAX_NORMAL_SCALE)?;
         }
-        out.emission = Vec3::from(self.factors(json, "emissiveFactor", [0.0; 3], 0.0..=1.0)?);
+        let range = 0.0..=f64::from(MAX_RADIANCE);
+        out.emission = Vec3::from(self.factors(json, "emissiveFactor", [0.0; 3], range)?);
+        if out.emission.max_element() > 1.0 {
+            let message = "is above 1, which needs KHR_materials_emissive_strength; it is taken as it is";
+            self.invalid(&json.pointer_to("emissiveFactor"), message)?;
+        }
         out.emission_texture = self.texture_slot(json, "emissiveTexture", ColorSpace::Srgb)?;
         out.alpha_mode = match json.str("alphaMode")? {
             None | Some("OPAQUE") => AlphaMode::Opaque,

@@ -2,14 +2,20 @@
 //!
 //! MikkTSpace gives a tangent to each corner of a triangle. Corners that share a vertex but not a tangent (at seams of
 //! the texture) get a vertex each.
+//!
+//! Its welding compares all different corners at one place with each other. A mesh that crowds so many there that this
+//! would take more than some seconds gets plain averages of its triangles' tangents instead (Lengyel 2001).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::flatten;
 use super::primitive::Primitive;
+
+/// Comparisons of corners that are worth waiting for; each takes some 20 ns.
+const MOST_COMPARISONS: u64 = 100_000_000;
 
 struct Corners<'p> {
     primitive: &'p Primitive,
@@ -54,19 +60,61 @@ pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize) {
     if !primitive.tangents.is_empty() {
         return;
     }
-    let missing = Vec::new();
-    let uvs = match primitive.uvs.get(uv_set) {
-        Some(uvs) => uvs,
-        None => &missing,
-    };
     let mut corners = vec![None; 3 * primitive.triangles.len()];
-    if !uvs.is_empty() {
-        let mut geometry = Corners { primitive, uvs, tangents: corners };
-        // Its error type has no values.
-        let _ = generate_tangents(&mut geometry);
-        corners = geometry.tangents;
+    if let Some(uvs) = primitive.uvs.get(uv_set) {
+        if comparisons(primitive, uvs) <= MOST_COMPARISONS {
+            let mut geometry = Corners { primitive, uvs, tangents: corners };
+            // Its error type has no values.
+            let _ = generate_tangents(&mut geometry);
+            corners = geometry.tangents;
+        } else {
+            corners = averages(primitive, uvs);
+        }
     }
     split(primitive, &corners);
+}
+
+/// How many pairs of corners MikkTSpace may compare: at each place, all corners with all different ones.
+fn comparisons(primitive: &Primitive, uvs: &[Vec2]) -> u64 {
+    let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+    let mut places: HashMap<[u32; 3], (u64, HashSet<[u32; 5]>)> = HashMap::new();
+    for &i in primitive.triangles.iter().flatten() {
+        let i = i as usize;
+        let place = places.entry(bits(primitive.positions[i])).or_default();
+        let ([x, y, z], uv) = (bits(primitive.normals[i]), uvs[i]);
+        place.0 += 1;
+        place.1.insert([x, y, z, uv.x.to_bits(), uv.y.to_bits()]);
+    }
+    places.values().map(|(corners, different)| corners * different.len() as u64).sum()
+}
+
+/// The directions in which u and v grow over a triangle, as long as the triangle is large; `None` if u does not grow.
+fn gradients([a, b, c]: [Vec3; 3], [s, t, r]: [Vec2; 3]) -> Option<(Vec3, Vec3)> {
+    let (e, f, g, h) = (b - a, c - a, t - s, r - s);
+    let sign = g.perp_dot(h).signum();
+    let (u, v) = ((e * h.y - f * g.y) * sign, (f * g.x - e * h.x) * sign);
+    (u.is_finite() && v.is_finite() && u != Vec3::ZERO).then_some((u, v))
+}
+
+/// A tangent for each corner: the average over the triangles of its vertex, made perpendicular to the normal.
+fn averages(primitive: &Primitive, uvs: &[Vec2]) -> Vec<Option<Vec4>> {
+    let mut sums = vec![(Vec3::ZERO, Vec3::ZERO); primitive.positions.len()];
+    for triangle in &primitive.triangles {
+        let corners = triangle.map(|i| i as usize);
+        let (p, t) = (corners.map(|i| primitive.positions[i]), corners.map(|i| uvs[i]));
+        let Some((u, v)) = gradients(p, t) else { continue };
+        for i in corners {
+            sums[i].0 += u;
+            sums[i].1 += v;
+        }
+    }
+    let tangent = |&i: &u32| {
+        let (normal, (u, v)) = (primitive.normals[i as usize], sums[i as usize]);
+        let tangent = u.reject_from_normalized(normal).try_normalize()?;
+        let sign = if normal.cross(tangent).dot(v) < 0.0 { -1.0 } else { 1.0 };
+        Some(tangent.extend(sign))
+    };
+    primitive.triangles.iter().flatten().map(tangent).collect()
 }
 
 /// Any unit tangent at a normal, for where the texture coordinates say nothing.
@@ -104,4 +152,60 @@ fn split(primitive: &mut Primitive, corners: &[Option<Vec4>]) {
     }
     primitive.tangents =
         first.iter().zip(normals.iter()).map(|(t, &n)| t.unwrap_or_else(|| arbitrary(n))).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A fan of triangles in the plane z = 0, with u along `u` and v perpendicular to it, or mirrored.
+    fn fan(u: Vec2, mirrored: bool) -> Primitive {
+        let rim = (0..8).map(|i| Vec2::from_angle(i as f32 * std::f32::consts::FRAC_PI_4));
+        let flat: Vec<Vec2> = std::iter::once(Vec2::ZERO).chain(rim).collect();
+        let v = if mirrored { -u.perp() } else { u.perp() };
+        Primitive {
+            positions: flat.iter().map(|p| p.extend(0.0)).collect(),
+            normals: vec![Vec3::Z; flat.len()],
+            uvs: vec![flat.iter().map(|p| Vec2::new(p.dot(u), p.dot(v))).collect()],
+            triangles: (0..8).map(|i| [0, 1 + i, 1 + (i + 1) % 8]).collect(),
+            ..Primitive::default()
+        }
+    }
+
+    #[test]
+    fn both_ways_give_the_direction_of_u() {
+        for (u, mirrored) in [(Vec2::X, false), (Vec2::new(0.6, 0.8), false), (Vec2::new(0.6, -0.8), true)] {
+            let mut primitive = fan(u, mirrored);
+            let expected = u.extend(0.0).extend(if mirrored { -1.0 } else { 1.0 });
+            for tangent in averages(&primitive, &primitive.uvs[0]) {
+                let tangent = tangent.expect("a tangent");
+                assert!((tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
+            }
+            complete(&mut primitive, 0);
+            assert_eq!(primitive.tangents.len(), primitive.positions.len());
+            for tangent in &primitive.tangents {
+                assert!((*tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn crowds_are_counted() {
+        let mut primitive = fan(Vec2::X, false);
+        // The hub has 8 equal corners, each of the 8 vertices of the rim has 2.
+        assert_eq!(comparisons(&primitive, &primitive.uvs[0]), 8 + 8 * 2);
+        super::super::mesh::unshare(&mut primitive);
+        let uvs: Vec<Vec2> = (0..24).map(|i| Vec2::splat(i as f32)).collect();
+        assert_eq!(comparisons(&primitive, &uvs), 8 * 8 + 8 * 2 * 2);
+    }
+
+    #[test]
+    fn no_texture_coordinates_still_give_unit_tangents() {
+        let mut primitive = fan(Vec2::X, false);
+        primitive.uvs.clear();
+        complete(&mut primitive, 3);
+        for (tangent, normal) in primitive.tangents.iter().zip(&primitive.normals) {
+            assert!(tangent.truncate().is_normalized() && tangent.truncate().dot(*normal).abs() < 1e-6);
+        }
+    }
 }

@@ -126,6 +126,9 @@ fn values_out_of_range_are_clamped_with_a_warning() {
     assert!(told(&loaded, Severity::Warning, "/materials/0/pbrMetallicRoughness/metallicFactor"));
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     assert!(b.load_with(&strict).is_err());
+    let bright = Builder::with_material(json!({"emissiveFactor": [5, 0, 0]})).loaded();
+    assert_eq!(bright.scene.materials[0].emission, Vec3::new(5.0, 0.0, 0.0), "as viewers show it");
+    assert!(told(&bright, Severity::Warning, "/materials/0/emissiveFactor"));
     for (material, pointer) in [
         (json!({"alphaMode": "FOO"}), "/materials/0/alphaMode: "),
         (

@@ -5,6 +5,7 @@ mod hostile;
 mod materials;
 mod meshes;
 mod nodes;
+mod oracle;
 mod uris;
 
 use std::path::Path;
@@ -44,6 +45,8 @@ impl Builder {
     pub fn triangle() -> Self {
         let mut b = Self::new();
         let position = b.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        b.json["accessors"][position]["min"] = json!([0, 0, 0]);
+        b.json["accessors"][position]["max"] = json!([1, 1, 0]);
         b.json["meshes"] = json!([{"primitives": [{"attributes": {"POSITION": position}}]}]);
         b
     }
