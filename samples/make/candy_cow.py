@@ -13,7 +13,7 @@ HEIGHT, YAW = 0.058, 148
 
 
 def build(meshes):
-    chocolate = studio.subsurface("chocolate", CHOCOLATE, roughness=0.35)
+    chocolate = studio.subsurface("chocolate", CHOCOLATE, roughness=0.42)
     cow = shapes.load("cow", os.path.join(meshes, "spot_pd.obj"), HEIGHT, chocolate, yaw=YAW)
     shapes.smooth_shade(cow)
     paint.unwrap(cow)
@@ -23,9 +23,9 @@ def build(meshes):
     gltf_subsurface.link_texture(chocolate, "Absorption", studio.image("absorption", absorption))
     gltf_subsurface.link_texture(chocolate, "Scattering", studio.image("scattering", scattering))
 
-    studio.sweep((0.33, 0.52, 0.6), back=0.34, radius=0.2)
-    studio.panel("key", (-0.26, -0.22, 0.26), (0, 0, 0.03), 0.2, (5.6, 5.4, 5.0))
-    studio.panel("back light", (0.16, 0.17, 0.12), (0, 0, 0.03), 0.11, (22, 20, 17))
+    studio.sweep((0.33, 0.52, 0.6), back=0.42, radius=0.2)
+    studio.panel("key", (-0.34, -0.3, 0.34), (0, 0, 0.03), 0.36, (3.2, 3.1, 2.9))
+    studio.panel("back light", (0.3, 0.24, 0.2), (0, 0, 0.03), 0.26, (10, 9.1, 7.8))
     studio.panel("fill", (0.3, -0.28, 0.1), (0, 0, 0.03), 0.2, (1.0, 1.1, 1.3))
     studio.camera((0.03, -0.30, 0.075), (0, 0, 0.0275), 105)
 

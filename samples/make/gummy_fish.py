@@ -12,7 +12,7 @@ FLAVOURS = {"cherry": (14.0, 230.0, 260.0), "orange": (8.0, 66.0, 420.0), "lime"
 def build(meshes):
     places = {"cherry": ((-0.023, -0.010), 62), "orange": ((0.024, -0.014), 122), "lime": ((0.000, 0.034), 80)}
     for name, ((x, y), yaw) in places.items():
-        gel = studio.subsurface(name, GEL.with_(absorption=FLAVOURS[name]), roughness=0.16)
+        gel = studio.subsurface(name, GEL.with_(absorption=FLAVOURS[name]), roughness=0.2)
         fish = shapes.load(f"{name} fish", os.path.join(meshes, "blub_fish_pd.obj"), 0.029, gel, yaw=yaw)
         fish.location = (x, y, 0)
         shapes.smooth_shade(shapes.apply(fish))

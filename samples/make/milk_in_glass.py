@@ -15,7 +15,7 @@ def profile(points, radius):
 
 def build(_meshes):
     glass = studio.subsurface("glass", media.GLASS.with_(priority=1), roughness=0.0, thickness=0.003)
-    milk = studio.subsurface("skim milk", media.SKIM_MILK, roughness=0.05)
+    milk = studio.subsurface("skim milk", media.SKIM_MILK, roughness=0.2)
     wood = studio.material("tray", (0.19, 0.085, 0.035), roughness=0.4)
     biscuit = studio.material("biscuit", (0.52, 0.28, 0.1), roughness=0.8)
 
@@ -37,9 +37,9 @@ def build(_meshes):
     shapes.ellipsoid("drop 2", (-26 * MM, -36 * MM, 0.6 * MM), (2.4 * MM, 2.2 * MM, 1.1 * MM), milk)
     for drop in ("drop 1", "drop 2"):
         flatten(shapes.bpy.data.objects[drop], 0.12 * MM)
-    studio.sweep((0.07, 0.105, 0.14), back=0.32, radius=0.2, roughness=0.5)
-    studio.panel("window", (-0.32, 0.05, 0.22), (0, 0, 0.05), 0.24, (11, 10.7, 10.2))
-    studio.panel("back light", (0.15, 0.2, 0.15), (0, 0, 0.05), (0.12, 0.16), (30, 25, 18))
+    studio.sweep((0.07, 0.105, 0.14), back=0.45, radius=0.2, roughness=0.5)
+    studio.panel("window", (-0.4, 0.02, 0.28), (0, 0, 0.05), 0.4, (6, 5.85, 5.6))
+    studio.panel("back light", (0.28, 0.28, 0.26), (0, 0, 0.05), 0.26, (16, 13.5, 10))
     studio.panel("fill", (0.25, -0.35, 0.3), (0, 0, 0.04), 0.25, (2.2, 2.25, 2.4))
     studio.camera((-0.03, -0.36, 0.15), (0.012, 0, 0.037), 85)
 

@@ -28,28 +28,28 @@ def build(_meshes):
     studio.sweep((0.14, 0.105, 0.085), back=0.32, radius=0.14, roughness=0.7)
     shapes.box("table", (0, 0.02, -0.0105), (0.6, 0.42, 0.02), table, bevel=0.003)
 
-    studio.panel("window", (-0.42, -0.12, 0.34), (0, 0, 0.03), (0.3, 0.26), (5.0, 5.5, 6.2))
+    studio.panel("window", (-0.42, -0.12, 0.34), (0, 0, 0.03), 0.5, (1.6, 1.8, 2.0))
     studio.lamp("lamp", "SPOT", (0.32, 0.02, 0.30), (1.0, 0.78, 0.52), 1.5, (0.02, 0, 0.02), angle=46, blend=0.5)
     studio.camera((0.02, -0.40, 0.15), (0.014, 0, 0.040), 82)
 
 
 def candle(at):
     x, y = (v * MM for v in at)
-    wax = studio.subsurface("wax", media.WAX, roughness=0.3)
+    wax = studio.subsurface("wax", media.WAX, roughness=0.5)
     body = shapes.lathe("candle", profile([(0, 0), (16, 0), (16, 68), (12.5, 67.2), (6, 62.5), (0, 61.5)], 1.6), wax, 96)
     body.location = (x, y, 0.4 * MM)
     shapes.apply(body)
     wick = shapes.lathe("wick", [(0, 61 * MM), (0.7 * MM, 61 * MM), (0.7 * MM, 69 * MM), (0.4 * MM, 71 * MM), (0, 71 * MM)],
                         studio.material("wick", (0.01, 0.009, 0.008), roughness=0.9), 24)
     flame = shapes.lathe("flame", profile([(0, 69.5), (2.6, 71.5), (3.4, 76), (2.0, 84), (0.7, 90), (0, 93)], 2.5),
-                         studio.emitter("flame", (900.0, 520.0, 190.0)), 32)
+                         studio.emitter("flame", (420.0, 245.0, 92.0)), 32)
     for item in (wick, flame):
         item.location = (x, y, 0.4 * MM)
         shapes.apply(item)
 
 
 def grapes(at):
-    medium = studio.subsurface("grape", media.GRAPE, roughness=0.2)
+    medium = studio.subsurface("grape", media.GRAPE, roughness=0.3)
     places = [(-16, -4, 0), (0, -8, 0), (15, -5, 0), (-8, 8, 0), (8, 7, 0), (-24, 9, 0), (0, 1.5, 12.4), (-14, 4, 12.2), (22, 8, 0)]
     parts = []
     random = np.random.default_rng(4)
@@ -63,7 +63,7 @@ def grapes(at):
 
 def cheese(at):
     """A wedge with holes, cut by Blender's exact boolean."""
-    medium = studio.subsurface("cheese", media.CHEESE, roughness=0.4)
+    medium = studio.subsurface("cheese", media.CHEESE, roughness=0.55)
     angle, radius, height = math.radians(46), 52 * MM, 24 * MM
     n = 24
     outline = [(0.0, 0.0)] + [(radius * math.cos(angle * (i / n - 0.5)), radius * math.sin(angle * (i / n - 0.5))) for i in range(n + 1)]
@@ -89,7 +89,7 @@ def cheese(at):
 
 
 def apple(at):
-    medium = studio.subsurface("apple", media.APPLE, roughness=0.22)
+    medium = studio.subsurface("apple", media.APPLE, roughness=0.36)
     points = []
     for i in range(41):
         t = math.pi * i / 40

@@ -87,7 +87,7 @@ def enamel(name, centre, size, bevel, color):
     p = points.reshape(-1, 3)
     edge = np.sort(np.abs(p - centre) - (half - bevel * MM), axis=1)[:, 1] / (bevel * MM)
     wear = np.clip(edge, -0.4, 1) + 1.5 * (noise.fractal(p / 0.0035, 4, 11) - 0.5) + 0.35 * (noise.fractal(p / 0.03, 2, 5) - 0.5)
-    bare = np.clip((wear - 0.86) / 0.06, 0, 1)[:, None]
+    bare = np.clip((wear - 0.66) / 0.06, 0, 1)[:, None]
     grime = 0.82 + 0.18 * noise.fractal(p / 0.012, 3, 3)[:, None]
     base = (1 - bare) * color * grime + bare * TIN * (0.75 + 0.25 * grime)
     roughness = (1 - bare) * (0.26 + 0.2 * noise.fractal(p / 0.006, 3, 9)[:, None]) + bare * 0.42
