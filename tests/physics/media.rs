@@ -39,7 +39,7 @@ fn a_sphere_inside_of_its_own_medium_cannot_be_seen() {
         nested.materials.push(alone.materials[0].clone());
         nested.meshes.push(inner);
         nested.instances.push(place(1, Affine3A::from_translation(Vec3::new(0.004, 0.0, -0.003))));
-        assert_same_pictures(nested, alone, 16, &format!("nested, ior {ior}"));
+        assert_same_pictures(nested, alone, 32, &format!("nested, ior {ior}"));
     }
 }
 
@@ -54,7 +54,7 @@ fn textures_multiply_coefficients() {
         medium.sigma_s *= factor;
         medium.absorption_texture = Some(texture);
         medium.scattering_texture = Some(texture);
-        assert_same_pictures(textured, alone.clone(), 16, &format!("constant texture {value}"));
+        assert_same_pictures(textured, alone.clone(), 32, &format!("constant texture {value}"));
     }
 }
 
@@ -64,10 +64,10 @@ fn inside_out_meshes_are_turned() {
         let right = ball(icosphere(0.02, 2, smooth), 1.4, 0.0);
         let mut reversed = right.clone();
         reversed.meshes[0].triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        assert_same_pictures(reversed.clone(), right.clone(), 16, &format!("reversed, smooth {smooth}"));
+        assert_same_pictures(reversed.clone(), right.clone(), 32, &format!("reversed, smooth {smooth}"));
         if smooth {
             reversed.meshes[0].normals.iter_mut().for_each(|n| *n = -*n);
-            assert_same_pictures(reversed, right, 16, "reversed with its normals");
+            assert_same_pictures(reversed, right, 32, "reversed with its normals");
         }
     }
 }
@@ -78,7 +78,7 @@ fn mirrored_and_stretched_instances_are_the_shapes_they_make() {
     let right = ball(icosphere(0.02, 2, true), 1.4, 0.0);
     let mut mirrored = right.clone();
     mirrored.instances = vec![place(0, Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)))];
-    assert_same_pictures(mirrored, right.clone(), 16, "mirrored");
+    assert_same_pictures(mirrored, right.clone(), 32, "mirrored");
 
     let scale = Vec3::new(0.5, 1.0, -0.8);
     let mut stretched = right.clone();
@@ -86,7 +86,7 @@ fn mirrored_and_stretched_instances_are_the_shapes_they_make() {
     let mut made = right;
     made.meshes[0].positions.iter_mut().for_each(|p| *p *= scale.abs());
     made.meshes[0].normals.iter_mut().for_each(|n| *n = (*n / scale.abs()).normalize());
-    assert_same_pictures(stretched, made, 16, "stretched");
+    assert_same_pictures(stretched, made, 32, "stretched");
 }
 
 /// Absorption only, and no boundary: what is seen through it is e^−τ, without noise.
@@ -108,7 +108,7 @@ fn assert_transmits(scene: SceneDescription, camera: CameraDescription, expected
 #[test]
 fn an_overlap_belongs_to_the_higher_priority() {
     let (a, b) = (Vec3::new(1.0, 2.0, 0.5), Vec3::new(0.3, 0.1, 3.0));
-    for (priorities, in_a, in_b) in [([0, 1], 1.0, 1.5), ([3, -2], 1.5, 1.0), ([-5, -4], 1.0, 1.5)] {
+    for (priorities, in_a, in_b) in [([0, 1], 0.5, 1.5), ([3, -2], 1.5, 0.5), ([-5, -4], 0.5, 1.5)] {
         for order in [1.0, -1.0] {
             // A fills x from −1 to 0.5, B from −0.5 to 1.
             let mut scene = single(
@@ -241,6 +241,46 @@ fn alpha_blend_lets_the_rest_of_a_shadow_ray_through() {
         Vec3::splat(0.7 * 2.0 / std::f32::consts::PI),
         "shadow",
     );
+}
+
+/// A white floor at z = 0 seen from just above it, with `above` over it.
+fn floor_below(above: MeshDescription, material: MaterialDescription, sky: f32) -> Estimate {
+    let floor = MaterialDescription { metallic: 0.0, specular: 0.0, ..Default::default() };
+    let environment = EnvironmentDescription::Constant(Vec3::splat(sky));
+    let mut scene = single(emitter(0.0, 1.0, 0.0).0, floor, environment);
+    scene.meshes[0].triangle_materials.fill(0);
+    scene.materials.push(material);
+    scene.meshes.push(above);
+    scene.instances.push(place(1, Affine3A::from_translation(Vec3::Z)));
+    let scene = Scene::build(scene).expect("builds");
+    measure(&scene, &options(ortho(Vec3::NEG_Z, 0.2, 0.01), 24, 128))
+}
+
+#[test]
+#[ignore = "known: paths through such a boundary forget that lights were sampled before it, 0.375 instead of 0.25"]
+fn light_through_a_tinted_boundary_without_contrast_counts_once() {
+    let mut glass = absorbing(Vec3::ZERO, 0);
+    glass.base_color = Vec4::new(0.5, 0.6, 0.7, 1.0);
+    let mut slab = cuboid(Vec3::new(400.0, 400.0, 0.1));
+    slab.triangle_materials.fill(1);
+    floor_below(slab, glass, 1.0).assert_matches([0.25, 0.36, 0.49], [1e-4; 3], "tinted");
+}
+
+#[test]
+#[ignore = "known: light sampling forgets the coverage of emitters, 0.466 instead of 0.239"]
+fn coverage_multiplies_emission() {
+    let lamp = |alpha_mode, emission| {
+        let (mut mesh, _) = emitter(0.0, 0.5, 0.0);
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let material = MaterialDescription {
+            base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
+            emission: Vec3::splat(emission),
+            alpha_mode,
+            ..Default::default()
+        };
+        floor_below(mesh, material, 0.0)
+    };
+    lamp(AlphaMode::Blend, 2.0).assert_same(&lamp(AlphaMode::Opaque, 1.0), "blended emitter");
 }
 
 #[test]
