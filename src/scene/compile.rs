@@ -306,17 +306,41 @@ fn triangles_of(description: &SceneDescription) -> Vec<(Vec<Vec3>, Vec<[u32; 3]>
     description.meshes.iter().map(|m| (m.positions.clone(), m.triangles.clone())).collect()
 }
 
-/// Turns the triangles of media that face inwards; true if there were any.
+/// Turns the triangles of media that face inwards, and the vertex normals that face inwards with them; true if there
+/// were any.
 fn turn_inside_out(description: &mut SceneDescription, topologies: &[Option<Topology>]) -> bool {
     let mut turned = false;
     for (mesh, topology) in description.meshes.iter_mut().zip(topologies) {
         let Some(topology) = topology.as_ref().filter(|t| t.needs_flips()) else { continue };
+        let mut touched = vec![false; mesh.positions.len()];
         for (triangle, _) in mesh.triangles.iter_mut().zip(&topology.flips).filter(|(_, flip)| **flip) {
             triangle.swap(1, 2);
+            triangle.iter().for_each(|&i| touched[i as usize] = true);
             turned = true;
         }
+        turn_normals(mesh, &touched);
     }
     turned
+}
+
+/// Turns the normals of `touched` vertices that point behind the triangles around them; bitangents stay.
+fn turn_normals(mesh: &mut MeshDescription, touched: &[bool]) {
+    if mesh.normals.is_empty() {
+        return;
+    }
+    let mut fronts = vec![Vec3::ZERO; mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+        triangle.iter().for_each(|&i| fronts[i as usize] += (b - a).cross(c - a));
+    }
+    for (i, front) in fronts.iter().enumerate() {
+        if touched[i] && mesh.normals[i].dot(*front) < 0.0 {
+            mesh.normals[i] = -mesh.normals[i];
+            if let Some(tangent) = mesh.tangents.get_mut(i) {
+                tangent.w = -tangent.w;
+            }
+        }
+    }
 }
 
 /// Enclosed volume of a closed mesh, by the divergence theorem.

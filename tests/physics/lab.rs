@@ -1,6 +1,6 @@
 //! Scenes for measurements: meshes built here, cameras that see them, and estimates with standard errors.
 
-use glam::{Affine3A, Mat3, Vec3, Vec4};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use nephrite::optics::Microfacet;
 use nephrite::scene::*;
 use nephrite::transport::{RenderOptions, render};
@@ -148,7 +148,8 @@ pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOption
     }
 }
 
-/// Mean over the pixels of a picture with its standard error, for each channel.
+/// A mean with its standard error, for each channel.
+#[derive(Clone, Copy)]
 pub struct Estimate {
     pub mean: [f64; 3],
     pub se: [f64; 3],
@@ -156,38 +157,116 @@ pub struct Estimate {
 
 /// Renders and takes each pixel for an independent estimate of the same number.
 pub fn measure(scene: &Scene, options: &RenderOptions) -> Estimate {
-    let pixels = render(scene, options, &()).expect("renders").film.pixels;
-    let n = pixels.len() as f64;
-    let (mut mean, mut se) = ([0.0; 3], [0.0; 3]);
-    for c in 0..3 {
-        mean[c] = pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / n;
-        let var = pixels.iter().map(|p| (f64::from(p[c]) - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
-        se[c] = (var / n).sqrt();
+    let rendered = render(scene, options, &()).expect("renders");
+    assert_eq!(rendered.stats.invalid_samples, 0);
+    let pixels: Vec<[f64; 3]> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+    Estimate::of(&pixels)
+}
+
+/// Like [`measure`], with as many samples as bring the standard error below `target` (for each channel). The number
+/// comes from a pilot picture with another seed, whose values are not used, so the estimate stays unbiased.
+pub fn measure_to(scene: &Scene, options: &RenderOptions, target: [f64; 3]) -> Estimate {
+    const PILOT_SPP: u32 = 64;
+    const MAX_SPP: f64 = 65_536.0;
+    let pilot =
+        measure(scene, &RenderOptions { spp: PILOT_SPP, seed: options.seed ^ 0x5eed, ..options.clone() });
+    let need = (0..3).map(|c| (pilot.se[c] / target[c]).powi(2)).fold(0.0, f64::max);
+    // The pilot's variance is itself uncertain, by some per cent for 576 pixels.
+    let spp = (1.4 * need * f64::from(PILOT_SPP)).clamp(8.0, MAX_SPP) as u32;
+    measure(scene, &RenderOptions { spp, ..options.clone() })
+}
+
+/// Means of independent pictures, for scenes whose pixels differ: of the whole picture, and of its four quarters.
+pub fn measure_pictures(scene: &Scene, options: &RenderOptions, pictures: u32) -> [Estimate; 5] {
+    let mut means = [const { Vec::new() }; 5];
+    for seed in 0..pictures {
+        let options = RenderOptions { seed: options.seed + seed, ..options.clone() };
+        let rendered = render(scene, &options, &()).expect("renders");
+        assert_eq!(rendered.stats.invalid_samples, 0);
+        let (w, h) = (options.width as usize, options.height as usize);
+        let mut sums = [[0.0; 3]; 5];
+        for (i, p) in rendered.film.pixels.iter().enumerate() {
+            let quarter = 1 + usize::from(i % w >= w / 2) + 2 * usize::from(i / w >= h / 2);
+            for c in 0..3 {
+                sums[0][c] += f64::from(p[c]) / (w * h) as f64;
+                sums[quarter][c] += f64::from(p[c]) * 4.0 / (w * h) as f64;
+            }
+        }
+        means.iter_mut().zip(sums).for_each(|(m, s)| m.push(s));
     }
-    Estimate { mean, se }
+    means.map(|m| Estimate::of(&m))
 }
 
 impl Estimate {
-    /// Asserts |z| < 4 in every channel and a standard error below 0.5 % of `scale`.
+    /// The mean of independent values and its standard error.
+    pub fn of(values: &[[f64; 3]]) -> Self {
+        let n = values.len() as f64;
+        let mean = [0, 1, 2].map(|c| values.iter().map(|v| v[c]).sum::<f64>() / n);
+        let se = [0, 1, 2]
+            .map(|c| (values.iter().map(|v| (v[c] - mean[c]).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt());
+        Self { mean, se }
+    }
+
+    /// Asserts |z| < 4 in every channel and a standard error below 0.5 % of the value.
     pub fn assert_matches(&self, expected: [f64; 3], expected_se: [f64; 3], what: &str) {
         for c in 0..3 {
-            let se = self.se[c].hypot(expected_se[c]).max(1e-6);
-            let z = (self.mean[c] - expected[c]) / se;
-            println!(
-                "{what} [{c}]: {:.5} ± {:.5}, expected {:.5}, z {z:+.2}",
-                self.mean[c], self.se[c], expected[c]
-            );
             assert!(
-                self.se[c] <= 0.005 * expected[c].max(0.02),
-                "{what} [{c}]: too noisy to tell: ± {}",
-                self.se[c]
-            );
-            assert!(
-                z.abs() < 4.0,
-                "{what} [{c}]: {} ± {se} is not {} (z {z:+.2})",
+                self.se[c] <= 0.005 * expected[c],
+                "{what} [{c}]: too noisy to tell: {} ± {}, expected {}",
                 self.mean[c],
+                self.se[c],
                 expected[c]
             );
+            self.assert_agrees(c, expected[c], expected_se[c], what);
         }
     }
+
+    /// Asserts that two estimates are of one number: |z| < 4 in every channel, and standard errors below 1 %.
+    pub fn assert_same(&self, other: &Self, what: &str) {
+        for c in 0..3 {
+            let se = self.se[c].max(other.se[c]);
+            assert!(
+                se <= 0.01 * other.mean[c],
+                "{what} [{c}]: too noisy to tell: ± {se} of {}",
+                other.mean[c]
+            );
+            self.assert_agrees(c, other.mean[c], other.se[c], what);
+        }
+    }
+
+    fn assert_agrees(&self, c: usize, expected: f64, expected_se: f64, what: &str) {
+        let se = self.se[c].hypot(expected_se).max(1e-6);
+        let z = (self.mean[c] - expected) / se;
+        println!("{what} [{c}]: {:.6} ± {:.6}, expected {expected:.6}, z {z:+.2}", self.mean[c], self.se[c]);
+        assert!(z.abs() < 4.0, "{what} [{c}]: {} ± {se} is not {expected} (z {z:+.2})", self.mean[c]);
+    }
+}
+
+/// A texture of linear values, appended to a scene.
+pub fn add_texture(scene: &mut SceneDescription, width: u32, texels: &[Vec3]) -> TextureRef {
+    scene.images.push(ImageData {
+        name: String::new(),
+        width,
+        height: texels.len() as u32 / width,
+        pixels: ImagePixels::Rgba32F(texels.iter().flat_map(|t| t.extend(1.0).to_array()).collect()),
+    });
+    scene.textures.push(TextureDescription {
+        image: scene.images.len() - 1,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        linear_filter: true,
+    });
+    TextureRef {
+        texture: scene.textures.len() - 1,
+        uv_set: 0,
+        transform: Affine2::IDENTITY,
+        color_space: ColorSpace::Linear,
+    }
+}
+
+/// Texture coordinates from the direction of each vertex.
+pub fn with_uvs(mut mesh: MeshDescription) -> MeshDescription {
+    mesh.uvs =
+        vec![mesh.positions.iter().map(|p| p.normalize().truncate() * 0.5 + Vec2::splat(0.5)).collect()];
+    mesh
 }

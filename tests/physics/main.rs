@@ -1,8 +1,10 @@
 //! Physics of the whole path tracer, measured by rendering triangle meshes: numbers nobody here rendered, and
 //! invariants. Every statistical statement holds with |z| < 4 for the fixed seed.
 
+mod determinism;
 mod furnace;
 mod lab;
 mod lights;
+mod media;
 mod slabs;
 mod spheres;

@@ -77,26 +77,9 @@ fn spheres_return_the_light_they_should() {
         // Radiance averaged over the square around the disk: 1 outside of it.
         let camera = ortho(Vec3::new(0.3, -0.5, -0.8), 0.1, radius);
         let disk = std::f64::consts::PI / 4.0;
-        let estimate = measure_stratified(&scene, &options(camera, 96, 256));
+        let estimate = measure_pictures(&scene, &options(camera, 96, 16), 16)[0];
         let expected = [0, 1, 2].map(|c| 1.0 - disk + disk * group.channels[c].reflected);
         let se = [0, 1, 2].map(|c| disk * group.channels[c].se);
         estimate.assert_matches(expected, se, &format!("sphere g {} n {}", group.g, group.n));
     }
-}
-
-/// Pixels differ systematically here, so the error of the mean comes from independent pictures.
-fn measure_stratified(scene: &Scene, options: &nephrite::transport::RenderOptions) -> Estimate {
-    const PICTURES: u32 = 16;
-    let mut means = Vec::new();
-    for seed in 0..PICTURES {
-        let mut options = options.clone();
-        options.seed = seed;
-        options.spp /= PICTURES;
-        means.push(measure(scene, &options).mean);
-    }
-    let n = means.len() as f64;
-    let mean = [0, 1, 2].map(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
-    let se = [0, 1, 2]
-        .map(|c| (means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt());
-    Estimate { mean, se }
 }
