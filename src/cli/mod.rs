@@ -1,7 +1,7 @@
 //! The command line: one file a command.
 //!
-//! What was typed is not what it means: clap's [`args`] become a validated [`job`], and only the job reaches the
-//! library, through [`pipeline`]. Pictures go to files, what a command was asked to print to standard output,
+//! What was typed is not what it means: clap's `args` become a validated `job`, and only the job reaches the
+//! library, through `pipeline`. Pictures go to files, what a command was asked to print to standard output,
 //! everything else to standard error.
 //!
 //! | exit code | meaning |
