@@ -1,6 +1,6 @@
 //! Eight `f32` at a time: the vocabulary in which the traversal kernels are written once.
 //!
-//! [`Portable`] is plain arrays; [`Avx2`] is one register through `std::arch`. Both round alike, operation by
+//! [`Portable`] is plain arrays; `Avx2` is one register through `std::arch`. Both round alike, operation by
 //! operation, so that kernels give the same bits with either; the tests compare them. [`Native`] is the one that
 //! this build uses.
 

@@ -1,6 +1,6 @@
 //! The path tracer: next-event estimation, multiple importance sampling, media.
 //!
-//! [`render`] shares the pixels among threads; [`path`](self) follows one path; [`media`](self) keeps the stack of
+//! [`render()`] shares the pixels among threads; [`path`](self) follows one path; [`media`](self) keeps the stack of
 //! objects around it; [`direct`](self) connects vertices to lights. A picture is a function of (scene, options, seed):
 //! every pixel sums its samples in order, whatever the number of threads.
 

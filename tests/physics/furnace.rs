@@ -26,11 +26,12 @@ fn furnace(scene: SceneDescription, tolerance: f64, what: &str) {
         let need = pilot.se.iter().map(|se| (se / (0.3 * tolerance)).powi(2)).fold(0.0, f64::max);
         (need * 1.2 * 16.0 / f64::from(PICTURES)).clamp(4.0, 16384.0) as u32
     };
+    let case = seed_of(what);
     let mut truncated = 0;
     let pictures: Vec<Vec<Vec3>> = (0..PICTURES)
         .map(|seed| {
-            let rendered =
-                render(&scene, &RenderOptions { seed, spp, ..options.clone() }, &()).expect("renders");
+            let rendered = render(&scene, &RenderOptions { seed: case + seed, spp, ..options.clone() }, &())
+                .expect("renders");
             assert_eq!(rendered.stats.invalid_samples, 0, "{what}");
             truncated += rendered.stats.truncated_paths;
             rendered.film.pixels
