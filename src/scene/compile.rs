@@ -1,12 +1,13 @@
 //! From [`SceneDescription`] to what the tracer runs on.
 
 use super::description::*;
+use super::emission::SceneEmission;
 use super::object::Object;
 use super::surface::Surface;
 use super::texture;
 use crate::geometry::{Aabb, DistanceBound, GeometryError, Hit, MeshGeometry, SceneGeometry, Topology};
 use crate::light::beacon::{Beacon, beacons};
-use crate::light::{EmissionField, EmissiveRadiance, EmissiveTriangle, Lights};
+use crate::light::{EmissiveRadiance, EmissiveTriangle, Lights};
 use crate::optics::Medium;
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -181,7 +182,7 @@ impl Scene {
         let vertices = surfaces.map(|s| s.position);
         let area = 0.5 * (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).length();
         let sides = if material.double_sided { 2.0 } else { 1.0 };
-        let (average, radiance) = if material.emission_texture.is_some() {
+        let (average, radiance) = if SceneEmission::varies(material) {
             let mut sum = Vec3::ZERO;
             const STEPS: usize = 8;
             for i in 0..STEPS {
@@ -192,7 +193,7 @@ impl Scene {
             }
             // A texture may be dark at every probe and bright between them: a floor keeps it reachable.
             let mean = sum / (STEPS * (STEPS + 1) / 2) as f32;
-            let field = TexturedEmission(self.description.clone());
+            let field = SceneEmission(self.description.clone());
             (mean.max(material.emission * 1e-3), EmissiveRadiance::Textured(Arc::new(field)))
         } else {
             (material.emission, EmissiveRadiance::Constant(material.emission))
@@ -348,28 +349,6 @@ fn volume(mesh: &MeshDescription) -> f64 {
     let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
     let tetrahedron = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2])));
     (mesh.triangles.iter().map(tetrahedron).sum::<f64>() / 6.0).abs()
-}
-
-/// Emission looked up in textures, for sampling lights.
-struct TexturedEmission(Arc<SceneDescription>);
-
-impl EmissionField for TexturedEmission {
-    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2) -> Vec3 {
-        let scene = &*self.0;
-        let mesh = &scene.meshes[scene.instances[instance as usize].mesh];
-        let Some(material) = scene.materials.get(mesh.triangle_materials[triangle as usize] as usize) else {
-            return Vec3::ZERO;
-        };
-        let Some(texture) = &material.emission_texture else { return material.emission };
-        let uv = match mesh.uvs.get(texture.uv_set) {
-            Some(uvs) if !uvs.is_empty() => {
-                let [a, b, c] = mesh.triangles[triangle as usize].map(|i| uvs[i as usize]);
-                a * (1.0 - barycentrics.x - barycentrics.y) + b * barycentrics.x + c * barycentrics.y
-            }
-            _ => Vec2::ZERO,
-        };
-        material.emission * texture::sample(scene, texture, uv).truncate()
-    }
 }
 
 fn medium(m: &MediumDescription) -> Medium {

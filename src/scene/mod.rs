@@ -7,6 +7,7 @@
 mod camera;
 mod compile;
 pub mod description;
+mod emission;
 mod material;
 mod object;
 mod surface;

@@ -203,6 +203,7 @@ fn walk_alone(
         _ => transform.inverse_point(head.position),
     };
     let mut beta = head.throughput;
+    let bounds = mesh.bounds();
     let mut bound = 0.0;
     let arrival = loop {
         let t = c.sample_distance(beta, sampler.rng());
@@ -228,6 +229,10 @@ fn walk_alone(
             break Arrival::Ended;
         }
         bound = distance.bound(p);
+        if bound == 0.0 && !bounds.contains(p) {
+            // Rounding next to a sharp edge has let the walk out.
+            break Arrival::Escaped;
+        }
         aiming.forget();
         let depth = bound * least_sigma_t;
         if aims && depth < AIMING_DEPTH {

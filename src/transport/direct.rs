@@ -32,6 +32,8 @@ pub(super) struct Shaded<'a> {
     pub lit_inside: bool,
     /// How the vertex was reached, and how much likelier it was the other way.
     pub reached: Reached,
+    /// A boundary between equal indices: light passes it in a straight line.
+    pub matched: bool,
 }
 
 /// How a boundary was reached from inside. Light found directly beyond it has three techniques: the path itself with

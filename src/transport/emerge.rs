@@ -114,6 +114,7 @@ impl Connector for FlightLights<'_, '_> {
             light_normal: None,
             lit_inside: false,
             reached: Reached { aimed, by_aiming: true },
+            matched: false,
         };
         shaded.orient(-incoming, shading.normal, true);
         let light = if boundary.is_delta() {

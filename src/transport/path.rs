@@ -193,14 +193,13 @@ impl PathTracer<'_> {
     /// Radiance of the environment at the end of a path.
     fn environment(&self, path: &Path) -> Vec3 {
         let radiance = self.scene.lights.environment_radiance(path.head.direction);
-        let weight;
-        if path.vertex.connected {
-            let v = &path.vertex;
+        let v = &path.vertex;
+        let weight = if v.connected {
             let light = self.scene.lights.environment_pdf(v.point, v.normal, path.head.direction);
-            weight = chance_weight(v.pdf, light, v.aimed);
+            chance_weight(v.pdf, light, v.aimed)
         } else {
-            weight = power_heuristic(1.0, path.vertex.aimed);
-        }
+            power_heuristic(1.0, v.aimed)
+        };
         let mut scale = 1.0;
         if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
             // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
@@ -268,6 +267,7 @@ impl PathTracer<'_> {
             light_normal: None,
             lit_inside,
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
+            matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
         };
         self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
     }
@@ -297,6 +297,7 @@ impl PathTracer<'_> {
             light_normal: Some(surface.normal),
             lit_inside: false,
             reached: Reached::default(),
+            matched: false,
         };
         self.scatter(shaded, surface.normal, false, path, radiance, sampler)
     }
@@ -342,13 +343,17 @@ impl PathTracer<'_> {
         {
             path.cross(e, shaded.front);
         }
-        path.vertex = Vertex {
-            point: shaded.surface.position,
-            normal: shaded.light_normal,
-            pdf: sample.pdf,
-            connected: weighed,
-            aimed,
-        };
+        // Through a boundary between equal indices light goes straight on, and so do shadow rays: what is found beyond it
+        // is still weighed with the vertex before.
+        if !(shaded.matched && sample.delta && sample.transmitted) {
+            path.vertex = Vertex {
+                point: shaded.surface.position,
+                normal: shaded.light_normal,
+                pdf: sample.pdf,
+                connected: weighed,
+                aimed,
+            };
+        }
         path.leave_surface(shaded.surface);
         path.bounces += 1;
         self.survives(path, sampler)
