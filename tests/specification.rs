@@ -302,6 +302,7 @@ fn picture(document: &Value, source: &str) -> Film {
         subsurface: "random-walk".to_string(),
         max_depth: 100_000,
         microfacet: Default::default(),
+        aim: true,
     };
     transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).film
 }
