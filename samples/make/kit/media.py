@@ -38,7 +38,6 @@ def per_millimetre(absorption, scattering, **rest):
 MARBLE = per_millimetre((0.0021, 0.0041, 0.0071), (2.19, 2.62, 3.00), ior=1.5)
 SKIM_MILK = per_millimetre((0.0014, 0.0025, 0.0142), (0.70, 1.22, 1.90), ior=1.3)
 APPLE = per_millimetre((0.003, 0.0034, 0.046), (2.29, 2.39, 1.97), ior=1.3)
-POTATO = per_millimetre((0.0024, 0.009, 0.12), (0.68, 0.70, 0.55), ior=1.3)
 
 # Chosen by eye
 GLASS = Medium((1.2, 0.4, 0.9), ior=1.52)
@@ -48,4 +47,3 @@ AMBER = Medium((3.0, 26.0, 150.0), (4.0, 4.0, 4.0), 0.7, ior=1.54)
 AIR = Medium(ior=1.0)
 GRAPE = Medium((26.0, 9.0, 84.0), (420.0, 420.0, 420.0), 0.8, ior=1.36)
 CHEESE = Medium((5.0, 26.0, 190.0), (1000.0, 1000.0, 900.0), ior=1.38)
-SOAP = Medium((14.0, 42.0, 34.0), (480.0, 480.0, 480.0), 0.3, ior=1.47)
