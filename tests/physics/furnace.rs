@@ -13,6 +13,12 @@ const MILD_SIGMA_S: Vec3 = Vec3::new(60.0, 90.0, 140.0);
 const SMOOTH: f64 = 1e-3;
 const ROUGH: f64 = 5e-3;
 
+/// Standard error of a channel's mean that a case is rendered to. For smooth boundaries the tolerance holds for the mean
+/// of the channels, which has far less noise, and each channel is held to four of its standard errors.
+fn noise_of(tolerance: f64) -> f64 {
+    if tolerance > SMOOTH { 0.35 * tolerance } else { 1.2 * tolerance }
+}
+
 /// Seeds of independent pictures.
 const PICTURES: u32 = 8;
 
@@ -23,7 +29,7 @@ fn furnace(scene: SceneDescription, tolerance: f64, what: &str) {
     let options = options(camera, 32, 16);
     let spp = {
         let pilot = measure(&scene, &RenderOptions { seed: 99, ..options.clone() });
-        let need = pilot.se.iter().map(|se| (se / (0.3 * tolerance)).powi(2)).fold(0.0, f64::max);
+        let need = pilot.se.iter().map(|se| (se / noise_of(tolerance)).powi(2)).fold(0.0, f64::max);
         (need * 1.2 * 16.0 / f64::from(PICTURES)).clamp(4.0, 16384.0) as u32
     };
     let case = seed_of(what);
@@ -56,9 +62,9 @@ fn furnace(scene: SceneDescription, tolerance: f64, what: &str) {
         whole.mean, whole.se, grey.mean[0], grey.se[0]
     );
     for (c, z) in z.iter().enumerate() {
-        assert!(whole.se[c] < 0.4 * tolerance, "{what} [{c}]: too noisy to tell: ± {}", whole.se[c]);
-        assert!((whole.mean[c] - 1.0).abs() < tolerance, "{what} [{c}]: mean {}", whole.mean[c]);
-        assert!(tolerance > SMOOTH || z.abs() < 4.0, "{what} [{c}]: z {z}");
+        assert!(whole.se[c] < 1.5 * noise_of(tolerance), "{what} [{c}]: too noisy: ± {}", whole.se[c]);
+        let allowed = if tolerance > SMOOTH { tolerance } else { 4.0 * whole.se[c].max(2.5e-7) };
+        assert!((whole.mean[c] - 1.0).abs() < allowed, "{what} [{c}]: mean {} z {z}", whole.mean[c]);
     }
     assert!((grey.mean[0] - 1.0).abs() < tolerance, "{what}: the mean of the channels is {}", grey.mean[0]);
     // With 8 pictures the pixel's own error is itself uncertain: Student's t with 7 degrees of freedom, two-sided 1e-7

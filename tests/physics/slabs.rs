@@ -132,9 +132,9 @@ fn scene(group: &Group, thickness: f32, roughness: f32) -> (Scene, f32) {
     (Scene::build(single(mesh, material, sky_above(1.0))).expect("builds"), half)
 }
 
-fn check(group: &Group, thickness: f32, what: &str) {
+fn check(group: &Group, thickness: f32, cosines: &[f32], what: &str) {
     let (scene, half) = scene(group, thickness, 0.0);
-    for cosine in [1.0f32, 0.6] {
+    for &cosine in cosines {
         let sine = (1.0 - cosine * cosine).sqrt();
         let pick = |s: &Slab| if cosine == 1.0 { s.normal } else { s.oblique };
         for above in [true, false] {
@@ -157,13 +157,13 @@ fn check(group: &Group, thickness: f32, what: &str) {
 #[test]
 fn reflectance_and_transmittance_agree_with_adding_doubling() {
     for group in &SLABS {
-        check(group, 0.01, "slab of 1 cm");
+        check(group, 0.01, &[1.0, 0.6], "slab of 1 cm");
     }
 }
 
 #[test]
 fn a_slab_is_the_same_from_a_micrometre_to_a_kilometre() {
     for thickness in [1e-6, 1e-3, 1.0, 1e3] {
-        check(&SLABS[1], thickness, &format!("slab of {thickness} m"));
+        check(&SLABS[1], thickness, &[0.6], &format!("slab of {thickness} m"));
     }
 }
