@@ -17,7 +17,7 @@ fn main() {
     println!("{} triangles", triangles.len());
     let mesh = timed("build", || MeshGeometry::build(&positions, &triangles));
     timed("topology", || Topology::analyse(&mesh));
-    let bound = timed("distance bound", || DistanceBound::build(&mesh));
+    let bound = DistanceBound::new(&mesh);
 
     let corner = |i: u32| Vec3A::from(positions[i as usize]);
     let soup: Vec<Triangle> =
@@ -48,7 +48,7 @@ fn main() {
             compressed.ray_traverse(theirs, &mut hit, |ray, id| ordered[id].intersect(ray))
         });
         if name.starts_with("inside") {
-            rate("bound skips", &rays, |ray| bound.bound(ray.origin) > ray.t_max);
+            rate("bound skips", &rays, |ray| bound.bound(&mesh, ray.origin) > ray.t_max);
         }
     }
 }

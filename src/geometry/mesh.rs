@@ -129,10 +129,9 @@ impl MeshGeometry {
         self.nearest_with::<Native>(p, upper_bound)
     }
 
-    /// Bounds of the distance from `p` to the mesh, which is known to be at most `upper_bound`.
-    ///
-    /// The lower one may fall short by the part `slack`.
-    pub(super) fn distance_range(&self, p: Vec3, upper_bound: f32, slack: f32) -> (f32, f32) {
+    /// A lower bound of the distance from `p` to the mesh, which is known to be at most `upper_bound`; it may fall short
+    /// by the part `slack`.
+    pub(super) fn distance_at_least(&self, p: Vec3, upper_bound: f32, slack: f32) -> f32 {
         let shrink = 1.0 / ((1.0 + slack) * (1.0 + slack));
         let start = upper_bound * upper_bound * shrink;
         let mut least = start;
@@ -142,8 +141,24 @@ impl MeshGeometry {
             least = bound.min(nearest * shrink);
             least
         });
-        let lower = least.sqrt();
-        (lower, if least < start { lower * (1.0 + slack) } else { upper_bound })
+        least.sqrt()
+    }
+
+    /// The least `n · (x - center)` of all triangles that reach into a ball; infinity where there are none.
+    pub(super) fn least_along(&self, n: Vec3, center: Vec3, radius: f32) -> f32 {
+        let squared = radius * radius;
+        let mut least = f32::INFINITY;
+        traverse_nearest::<Native>(&self.bvh, center, squared, |block, bound| {
+            let block = &self.blocks[block as usize];
+            let distances = block.squared_distances::<Native>(center);
+            for (lane, _) in distances.iter().enumerate().filter(|(_, d)| **d <= squared) {
+                for corner in self.vertices[block.ids[lane] as usize] {
+                    least = least.min(n.dot(corner - center));
+                }
+            }
+            bound
+        });
+        least
     }
 
     /// Whether both hierarchies are the same, node by node.

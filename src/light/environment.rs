@@ -129,6 +129,14 @@ impl Environment {
         }
     }
 
+    /// The solid angle that most light comes from, steradians: (∫ L dω)² / ∫ L² dω, 4π where all directions are alike.
+    pub fn effective_solid_angle(&self) -> f32 {
+        match self {
+            Self::None | Self::Constant(_) => 4.0 * PI,
+            Self::Map(map) => map.effective_solid_angle,
+        }
+    }
+
     /// Power in watts (channel mean) that enters a sphere of the given radius: 4π² r² L.
     pub fn power(&self, scene_radius: f32) -> f32 {
         4.0 * PI * PI * scene_radius * scene_radius * self.mean_radiance()
@@ -150,6 +158,7 @@ pub struct EnvironmentMap {
     sin_rows: Vec<f32>,
     density_scale: f32,
     mean_radiance: f32,
+    effective_solid_angle: f32,
     repaired: usize,
 }
 
@@ -200,6 +209,7 @@ impl EnvironmentMap {
         })?;
         let mean_density = cells.total() / (width as f64 * height as f64);
         let mean_radiance = sphere_mean(&edges, &pixels, width);
+        let effective_solid_angle = effective_solid_angle(&pixels, width) as f32;
         Some(Self {
             width,
             height,
@@ -209,6 +219,7 @@ impl EnvironmentMap {
             sin_rows: sin_rows.iter().map(|&s| s as f32).collect(),
             density_scale: (1.0 / mean_density) as f32,
             mean_radiance: mean_radiance as f32,
+            effective_solid_angle,
             repaired,
         })
     }
@@ -340,6 +351,22 @@ fn sphere_mean(edges: &[f64], pixels: &[Vec3], width: usize) -> f64 {
         })
         .sum();
     0.5 * integral
+}
+
+/// (∫ L dω)² / ∫ L² dω of the texels.
+fn effective_solid_angle(pixels: &[Vec3], width: usize) -> f64 {
+    use std::f64::consts::PI;
+    let height = pixels.len() / width;
+    let (mut first, mut second) = (0.0, 0.0);
+    for (y, row) in pixels.chunks(width).enumerate() {
+        let band = (PI * (y as f64) / height as f64).cos() - (PI * (y + 1) as f64 / height as f64).cos();
+        let solid_angle = 2.0 * PI * band / width as f64;
+        for radiance in row.iter().map(|&p| f64::from(mean(p))) {
+            first += solid_angle * radiance;
+            second += solid_angle * radiance * radiance;
+        }
+    }
+    first * first / second
 }
 
 #[inline]

@@ -13,8 +13,9 @@
 //!
 //! products of non-negative numbers for every g in (−1, 1), 0 included.
 
+use crate::sampling::fast_math;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::FRAC_1_PI;
 
 /// Henyey–Greenstein with mean cosine `g`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +74,7 @@ impl HenyeyGreenstein {
         let (minus, plus) = self.invert(u.x);
         let cos = if minus < plus { 1.0 - minus } else { plus - 1.0 };
         let sin = (minus * plus).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+        let (sin_phi, cos_phi) = fast_math::sin_cos_turns(u.y - 0.5);
         let (x, y) = before.any_orthonormal_pair();
         let after = (x * (sin * cos_phi) + y * (sin * sin_phi) + before * cos).normalize();
         (after, self.density(minus, plus))

@@ -14,6 +14,8 @@ use std::sync::Arc;
 
 /// Boundaries of a lower index hardly bend light.
 const LEAST_AIMED_INDEX: f32 = 1.02;
+/// Environments whose light comes from more than this solid angle are found well enough by chance.
+const WIDEST_LIGHT: f32 = std::f32::consts::PI;
 
 /// Why a description cannot be traced.
 #[derive(Debug, thiserror::Error)]
@@ -120,7 +122,8 @@ impl Scene {
         let environment = &scene.description.environment;
         scene.lights = Lights::build(emitters, punctual, environment, (bounds.min, bounds.max));
         scene.beacons = beacons(&scene.lights, punctual);
-        let aimable = !scene.has_see_through && !scene.beacons.is_empty();
+        let concentrated = scene.lights.environment().effective_solid_angle() < WIDEST_LIGHT;
+        let aimable = !scene.has_see_through && (concentrated || !scene.beacons.is_empty());
         for object in &mut scene.objects {
             object.aimable = aimable && object.distance.is_some() && !object.lit_inside;
         }
@@ -251,7 +254,7 @@ impl Scene {
                 match bounds_of_mesh.iter().find(|(k, _)| *k == key) {
                     Some((_, d)) => d.clone(),
                     None => {
-                        let d = Arc::new(DistanceBound::build(mesh));
+                        let d = Arc::new(DistanceBound::new(mesh));
                         bounds_of_mesh.push((key, d.clone()));
                         d
                     }

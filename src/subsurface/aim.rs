@@ -1,21 +1,27 @@
 //! Directions inside a medium that lead through its boundary to light.
 //!
 //! A walk that meets a boundary in a random direction rarely refracts towards a lamp: for a rough boundary of GGX width
-//! α only directions within about α(1 − 1/η) of the right one do. So directions are also *aimed*: choose a beacon
-//! ([`crate::light::beacon`]) in the outside direction ω_o, a microfacet normal m of the boundary near by with density
-//! D(m) |m·n|, and refract: ω = −refract(ω_o, m). The density of ω follows from the Jacobian of the half vector (Walter
-//! et al. 2007, eq. 17), so it can be told for any direction, however found:
+//! α only directions within about α(1 − 1/η) of the right one do. So directions are also *aimed*: choose an outside
+//! direction ω_o towards light, a microfacet normal m of the boundary near by with density D(m) |m·n|, and refract:
+//! ω = −refract(ω_o, m). The density of ω follows from the Jacobian of the half vector (Walter et al. 2007, eq. 17):
 //!
 //! ```text
-//! q(ω) = Σ_k w_k D_k(h_k) |h_k·n| η² |ω·h_k| / (ω_o,k·h_k − η ω·h_k)²,   h_k ∝ η ω − ω_o,k
+//! q(ω | ω_o) = D(h) |h·n| η² |ω·h| / (ω_o·h − η ω·h)²,   h ∝ η ω − ω_o
 //! ```
 //!
-//! D_k is wider than the boundary's own, to cover the size of the light and the curvature of the surface.
+//! D is wider than the boundary's own, to cover the bending of the surface. There are two ways to go on.
+//!
+//! - **Rough boundaries** ([`Aim::towards`]): ω_o is a light sample. Where the direction comes out, the light sampling of
+//!   the boundary is given the same random numbers and so finds the same light, ω_o up to parallax. Path and light
+//!   numbers together have density q(ω | ω_o) times that of light sampling, which cancels in the ratio to other techniques.
+//! - **Smooth boundaries**, and nearly smooth ones ([`Aim::at_beacons`]): what comes out is not up to us, it is refracted
+//!   on. The density must be that of ω alone, so ω_o is one of a handful of beacons ([`crate::light::beacon`]), and
+//!   q(ω) = Σ_k w_k q(ω | ω_k), with D_k wide enough to cover the size of the light.
 
 use crate::light::beacon::{Beacon, MOST};
 use crate::optics::{fresnel, ggx};
 use crate::sampling::{SmallRng, orthonormal_basis};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// How much wider than the boundary's own roughness the lobes are.
@@ -24,6 +30,78 @@ const WIDENING: f32 = 1.2;
 const CURVATURE: f32 = 0.06;
 /// Widest lobe.
 const WIDEST: f32 = 0.8;
+/// Boundaries of a smaller GGX width count as nearly smooth.
+const NEARLY_SMOOTH: f32 = 0.02;
+/// Ratios of densities are cut here, so that their squares stay finite.
+const LARGEST_RATIO: f32 = 1e15;
+
+/// The random numbers of a light sample.
+#[derive(Clone, Copy, Debug)]
+pub struct LightNumbers {
+    /// Selects the light.
+    pub select: f32,
+    /// Selects a point of it.
+    pub point: Vec2,
+}
+
+/// How a direction could have been aimed: the ratio of the density of aiming to that of the path itself, as a function
+/// of where the light beyond the boundary comes from.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Aimed {
+    /// The same for all light: beyond the boundary the direction is scattered on.
+    fixed: f32,
+    /// Times q(ω | ω_o): beyond the boundary the light ω_o is sampled.
+    scale: f32,
+    /// ω.
+    direction: Vec3,
+    normal: Vec3,
+    alpha: f32,
+    eta: f32,
+}
+
+impl Aimed {
+    /// Whether there is any such ratio.
+    #[inline]
+    pub fn is_none(&self) -> bool {
+        self.fixed == 0.0 && self.scale == 0.0
+    }
+
+    /// Whether an aimed direction samples light beyond the boundary, rather than being scattered on.
+    #[inline]
+    pub fn samples_light(&self) -> bool {
+        self.scale > 0.0
+    }
+
+    /// The ratio, for light from the unit direction `outside`.
+    #[inline]
+    pub fn ratio(&self, outside: Vec3) -> f32 {
+        if self.scale > 0.0 {
+            let cos = |h: Vec3| h.dot(self.normal);
+            let density = density(self.direction, outside, self.eta, self.alpha, cos);
+            (self.scale * density).min(LARGEST_RATIO)
+        } else {
+            self.fixed
+        }
+    }
+}
+
+/// q(ω | ω_o) for a lobe of width `alpha`; `cos` tells the cosine of a unit vector to the normal.
+#[inline]
+fn density(direction: Vec3, outside: Vec3, eta: f32, alpha: f32, cos: impl Fn(Vec3) -> f32) -> f32 {
+    let half = eta * direction - outside;
+    let length = half.length();
+    if length <= 0.0 {
+        return 0.0;
+    }
+    let h = half / length;
+    let (cos_o, cos_i, cos_h) = (outside.dot(h), direction.dot(h), cos(h));
+    if cos_h <= 0.0 || cos_o <= 0.0 || cos_i <= 0.0 {
+        return 0.0;
+    }
+    let sin = (1.0 - cos_h * cos_h).max(0.0).sqrt();
+    // |ω_o·h − η ω·h| is the length of the unnormalised half vector.
+    ggx::distribution(Vec3::new(sin, 0.0, cos_h), alpha) * cos_h * eta * eta * cos_i / (length * length)
+}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Lobe {
@@ -35,28 +113,72 @@ struct Lobe {
     cumulative: f32,
 }
 
-/// A mixture of aimed directions at one point.
+/// Aimed directions at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Aim {
     frame: Mat3,
     eta: f32,
+    /// GGX width of the boundary.
+    alpha: f32,
     lobes: [Lobe; MOST],
     len: usize,
+    numbers: Option<LightNumbers>,
 }
 
 impl Default for Aim {
     fn default() -> Self {
-        Self { frame: Mat3::IDENTITY, eta: 1.0, lobes: [Lobe::default(); MOST], len: 0 }
+        let (frame, lobes) = (Mat3::IDENTITY, [Lobe::default(); MOST]);
+        Self { frame, eta: 1.0, alpha: 0.0, lobes, len: 0, numbers: None }
     }
 }
 
 impl Aim {
-    /// Aims from a point below a boundary with the outward unit normal `normal` near by; `alpha` is its GGX width, `eta` the
-    /// index inside over outside (> 1). False: there is nothing to aim at.
-    pub fn set(&mut self, beacons: &[Beacon], point: Vec3, normal: Vec3, eta: f32, alpha: f32) -> bool {
+    /// A boundary with the outward unit normal `normal` near by; `alpha` is its GGX width, `eta` the index inside over
+    /// outside (> 1).
+    pub fn set_boundary(&mut self, normal: Vec3, eta: f32, alpha: f32) {
         let (x, y) = orthonormal_basis(normal);
         self.frame = Mat3::from_cols(x, y, normal);
         self.eta = eta;
+        self.alpha = alpha;
+        self.len = 0;
+        self.numbers = None;
+    }
+
+    /// Whether to aim at light samples rather than at beacons.
+    #[inline]
+    pub fn samples_light(&self) -> bool {
+        self.alpha >= NEARLY_SMOOTH
+    }
+
+    /// The outward normal.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        self.frame.z_axis
+    }
+
+    /// The light sample that was aimed at.
+    #[inline]
+    pub fn numbers(&self) -> Option<LightNumbers> {
+        self.numbers
+    }
+
+    /// Width of the lobes for light from one direction.
+    #[inline]
+    fn width(&self) -> f32 {
+        (WIDENING * self.alpha).hypot(CURVATURE)
+    }
+
+    /// Aims at light from the unit direction `outside`, sampled with `numbers`. False: it does not reach the boundary.
+    pub fn towards(&mut self, outside: Vec3, numbers: LightNumbers) -> bool {
+        let outside = self.frame.transpose() * outside;
+        self.numbers = Some(numbers);
+        self.lobes[0] = Lobe { outside, alpha: self.width().min(WIDEST), share: 1.0, cumulative: 1.0 };
+        self.len = 1;
+        outside.z > 0.0
+    }
+
+    /// Aims at beacons from `point`. False: there is nothing to aim at.
+    pub fn at_beacons(&mut self, beacons: &[Beacon], point: Vec3) -> bool {
         self.len = 0;
         let mut total = 0.0;
         for beacon in beacons {
@@ -67,8 +189,8 @@ impl Aim {
             if cosine <= 0.02 {
                 continue;
             }
-            let size = seen.radius / (eta - 1.0);
-            let width = (WIDENING * alpha).hypot(CURVATURE).hypot(size).min(WIDEST);
+            let size = seen.radius / (self.eta - 1.0);
+            let width = self.width().hypot(size).min(WIDEST);
             let share = seen.irradiance * cosine.min(1.0);
             total += share;
             self.lobes[self.len] = Lobe { outside, alpha: width, share, cumulative: total };
@@ -107,22 +229,20 @@ impl Aim {
     }
 
     fn pdf_local(&self, direction: Vec3) -> f32 {
-        self.lobes[..self.len].iter().map(|l| l.share * self.lobe_pdf(l, direction)).sum()
+        let of = |l: &Lobe| l.share * density(direction, l.outside, self.eta, l.alpha, |h| h.z);
+        self.lobes[..self.len].iter().map(of).sum()
     }
 
-    fn lobe_pdf(&self, lobe: &Lobe, direction: Vec3) -> f32 {
-        let half = self.eta * direction - lobe.outside;
-        let length = half.length();
-        if length <= 0.0 {
-            return 0.0;
+    /// How the direction of travel `direction` could have been aimed, with a probability of aiming at all that is `scale`
+    /// times the density of the direction without aiming.
+    pub fn aimed(&self, direction: Vec3, scale: f32) -> Aimed {
+        let none = Aimed::default();
+        if self.samples_light() {
+            let (normal, alpha, eta) = (self.normal(), self.width().min(WIDEST), self.eta);
+            Aimed { scale: scale.min(LARGEST_RATIO), direction, normal, alpha, eta, ..none }
+        } else {
+            Aimed { fixed: (scale * self.pdf(direction)).min(LARGEST_RATIO), ..none }
         }
-        let h = half / length;
-        let (cos_o, cos_i) = (lobe.outside.dot(h), direction.dot(h));
-        if h.z <= 0.0 || cos_o <= 0.0 || cos_i <= 0.0 {
-            return 0.0;
-        }
-        // |ω_o·h − η ω·h| is the length of the unnormalised half vector.
-        ggx::distribution(h, lobe.alpha) * h.z * self.eta * self.eta * cos_i / (length * length)
     }
 }
 
@@ -145,13 +265,8 @@ mod tests {
         let environment = EnvironmentDescription::default();
         let lights = Lights::build(Vec::new(), &punctual, &environment, (Vec3::NEG_ONE, Vec3::ONE));
         let mut aim = Aim::default();
-        assert!(aim.set(
-            &beacons(&lights, &punctual),
-            Vec3::ZERO,
-            Vec3::new(0.1, 0.2, 0.97).normalize(),
-            1.4,
-            0.3
-        ));
+        aim.set_boundary(Vec3::new(0.1, 0.2, 0.97).normalize(), 1.4, 0.3);
+        assert!(aim.at_beacons(&beacons(&lights, &punctual), Vec3::ZERO));
         aim
     }
 

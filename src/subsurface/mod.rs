@@ -14,7 +14,7 @@ mod aim;
 mod random_walk;
 mod textured;
 
-pub use aim::Aim;
+pub use aim::{Aim, Aimed, LightNumbers};
 pub use random_walk::RandomWalk;
 pub use textured::TexturedMedium;
 
@@ -66,9 +66,9 @@ pub struct PathHead {
     /// The surface point that the head has just left (at `position`, up to rounding): a walk in the object's own space
     /// starts there without the rounding of world space.
     pub start: Option<Start>,
-    /// Where the flight ends on the boundary: how many times more likely an aimed direction ([`Connector::emerge`]) was
-    /// to lead here than the path itself. Light found directly beyond the boundary is weighed with it.
-    pub aimed: f32,
+    /// Where the flight ends on the boundary: how much likelier an aimed direction ([`Connector::emerge`]) was to lead here
+    /// than the path itself. Light found directly beyond the boundary is weighed with it.
+    pub aimed: Aimed,
 }
 
 /// A point of an instance's mesh.
@@ -111,13 +111,23 @@ pub trait Connector {
     /// [`Connection::Straight`]: called with the direction chosen and its phase-function density, so that hits by chance
     /// can be weighted.
     fn redirected(&mut self, point: Vec3, pdf: f32);
-    /// [`Connection::Boundary`]: directions that lead from `point` through a boundary near by, of outward normal `normal`,
-    /// to light. False: there are none.
+    /// [`Connection::Boundary`]: prepares to aim from `point` through a boundary near by, of outward normal `normal`, at
+    /// light. False: there is nothing to aim at.
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool;
-    /// [`Connection::Boundary`]: an aimed direction of travel `incoming` has met the boundary from inside. `throughput`
+    /// [`Connection::Boundary`]: draws an aimed direction of travel from `point`, and its density.
+    fn draw(&self, point: Vec3, aim: &mut Aim, sampler: &mut Sampler) -> Option<(Vec3, f32)>;
+    /// [`Connection::Boundary`]: a drawn direction of travel `incoming` has met the boundary from inside. `throughput`
     /// is that of the path, times phase function and transmittance, over the density of the direction; `aimed` is as in
     /// [`PathHead::aimed`]. Adds the light found directly beyond the boundary.
-    fn emerge(&mut self, hit: &Hit, incoming: Vec3, throughput: Vec3, aimed: f32, sampler: &mut Sampler);
+    fn emerge(
+        &mut self,
+        hit: &Hit,
+        incoming: Vec3,
+        throughput: Vec3,
+        aim: &Aim,
+        aimed: Aimed,
+        sampler: &mut Sampler,
+    );
 }
 
 /// A model made ready for one scene.

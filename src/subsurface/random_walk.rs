@@ -6,34 +6,34 @@
 //! | `t` | free flight | m |
 //! | `throughput` | β | 1 |
 //!
-//! **Distances.** A channel c is drawn with probability p_c = β_c/Σβ and the free flight from σt_c e^{−σt_c t}. The
-//! estimator is weighted by the balance heuristic over channels: a collision at t has density Σ p_c σt_c e^{−σt_c t},
-//! an arrival at a boundary at distance s has probability Σ p_c e^{−σt_c s}, so
+//! **Distances.** A channel c is drawn with probability p_c = β_c/Σβ and keeps to be used for a stretch of a few events:
+//! free flights come from σt_c e^{−σt_c t}. n collisions and a length L in all, the last part of which may end at a
+//! boundary instead of a collision, then have density σt_c^n e^{−σt_c L}, and the balance heuristic over the channels
+//! (spectral MIS) weighs the stretch with
 //!
 //! ```text
-//! collision: β_k ← β_k σs_k e^{−σt_k t} / Σ_c p_c σt_c e^{−σt_c t}
-//! boundary:  β_k ← β_k e^{−σt_k s} / Σ_c p_c e^{−σt_c s}
+//! β_k ← β_k σs_k^n e^{−σt_k L} / Σ_c p_c σt_c^n e^{−σt_c L}
 //! ```
 //!
-//! With p_c ∝ β_c the sum Σβ never grows. For albedo 1 this drawing at each event equals drawing one channel for the
-//! whole path and weighting by the products of densities (β_c is that product), at no cost in memory.
+//! With p_c ∝ β_c the sum Σβ never grows. A stretch costs one weight, however many events it has; it is short where albedo
+//! is low, so that Russian roulette comes in time, and where the channels differ by more than powers of their ratio
+//! can express.
 //!
 //! **Short queries.** In an object that contains nothing else the walk runs in the object's own space, and a flight
 //! shorter than a lower bound of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query.
 //!
 //! **Aimed connections.** At an event near the boundary, with probability a (less with depth and for paths of little
-//! weight), a direction of density q is also aimed at a light beyond the boundary ([`super::Aim`]), and the light that it
-//! finds directly is added. The path itself may find the same light: its direction has density p (the phase function),
-//! and it reaches the boundary with probability P. Both are weighed by the power heuristic with r = a q/(p P)
-//! ([`PathHead::aimed`]): 1/(1 + r²) for the path, r²/(1 + r²) for the aimed direction, and the sampling of light at the
-//! boundary, which both share, cancels.
+//! weight), a direction ω is also aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that
+//! it finds directly is added. The path itself may find the same light: its direction has density p (the phase function),
+//! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
+//! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
 use crate::optics::HenyeyGreenstein;
 use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::Scene;
-use glam::{Vec2, Vec3};
+use glam::{Vec3, Vec3A};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
@@ -44,8 +44,12 @@ const AIMING_DEPTH: f32 = 2.0;
 const AIMING_RATE: f32 = 0.35;
 const AIMING_FALLOFF: f32 = 1.5;
 
-/// Ratios of densities are cut here, so that their squares stay finite.
-const LARGEST_RATIO: f32 = 1e15;
+/// Most events of a stretch.
+const LONGEST_STRETCH: usize = 8;
+/// Albedo to the power of a stretch's events is at least this.
+const STRETCH_SURVIVAL: f32 = 0.5;
+/// Ratio of extinctions beyond which every event is a stretch of its own.
+const LARGEST_CONTRAST: f32 = 1e3;
 
 /// The ground truth.
 pub struct RandomWalk;
@@ -90,89 +94,104 @@ impl Propagator for Walker {
 
 /// Coefficients of a homogeneous medium in the units of the walk.
 #[derive(Clone, Copy)]
-pub(super) struct Coefficients {
-    pub sigma_s: Vec3,
-    pub sigma_t: Vec3,
-    pub phase: HenyeyGreenstein,
-    grey: bool,
+struct Coefficients {
+    sigma_t: Vec3A,
+    mean_free_path: [f32; 3],
+    /// Powers of σs and σt, relative to the largest σt.
+    scattering: [Vec3A; LONGEST_STRETCH + 1],
+    extinction: [Vec3A; LONGEST_STRETCH + 1],
+    /// Events of a stretch.
+    stretch: usize,
+    phase: HenyeyGreenstein,
 }
 
 impl Coefficients {
-    pub fn new(sigma_a: Vec3, sigma_s: Vec3, g: f32, scale: f32) -> Self {
+    fn new(sigma_a: Vec3, sigma_s: Vec3, g: f32, scale: f32) -> Self {
         let sigma_t = (sigma_a + sigma_s) * scale;
-        let grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z;
-        Self { sigma_s: sigma_s * scale, sigma_t, phase: HenyeyGreenstein { g }, grey }
-    }
-
-    /// A free flight drawn from the mixture over channels.
-    #[inline]
-    pub fn sample_distance(&self, throughput: Vec3, rng: &mut SmallRng) -> f32 {
-        let sigma_t =
-            if self.grey { self.sigma_t.x } else { pick_channel(self.sigma_t, throughput, rng.f32()) };
-        if sigma_t > 0.0 { -fast_math::ln(rng.open01()) / sigma_t } else { f32::INFINITY }
-    }
-
-    /// The weight of a collision at `t`.
-    #[inline]
-    pub fn collision(&self, throughput: Vec3, t: f32) -> Vec3 {
-        if self.grey {
-            return throughput * self.sigma_s / self.sigma_t.x;
+        let largest = sigma_t.max_element();
+        let least = Vec3::select(sigma_t.cmpgt(Vec3::ZERO), sigma_t, Vec3::INFINITY).min_element();
+        let albedo =
+            Vec3::select(sigma_t.cmpgt(Vec3::ZERO), sigma_s * scale / sigma_t, Vec3::ZERO).max_element();
+        let stretch = if largest > LARGEST_CONTRAST * least {
+            1
+        } else {
+            ((STRETCH_SURVIVAL.ln() / albedo.ln()) as usize).clamp(1, LONGEST_STRETCH)
+        };
+        let mut scattering = [Vec3A::ONE; LONGEST_STRETCH + 1];
+        let mut extinction = scattering;
+        for n in 1..=LONGEST_STRETCH {
+            scattering[n] = scattering[n - 1] * Vec3A::from(sigma_s * scale / largest);
+            extinction[n] = extinction[n - 1] * Vec3A::from(sigma_t / largest);
         }
-        let transmittance = self.relative_transmittance(throughput, t);
-        let density = (throughput * self.sigma_t * transmittance).element_sum() / throughput.element_sum();
-        throughput * self.sigma_s * transmittance / density
+        Self {
+            sigma_t: sigma_t.into(),
+            mean_free_path: sigma_t.recip().to_array(),
+            scattering,
+            extinction,
+            stretch,
+            phase: HenyeyGreenstein { g },
+        }
     }
 
-    /// The weight of reaching `t` without a collision.
+    /// The mean free path of a channel drawn from the mixture.
     #[inline]
-    pub fn arrival(&self, throughput: Vec3, t: f32) -> Vec3 {
-        if self.grey {
-            return throughput;
-        }
-        let transmittance = self.relative_transmittance(throughput, t);
-        throughput * transmittance * (throughput.element_sum() / (throughput * transmittance).element_sum())
+    fn draw_mean_free_path(&self, throughput: Vec3A, rng: &mut SmallRng) -> f32 {
+        self.mean_free_path[pick_channel(throughput, rng.f32())]
+    }
+
+    /// The throughput after `collisions` (at most one stretch's) on the way of a length, in one stretch.
+    #[inline]
+    fn weigh(&self, throughput: Vec3A, collisions: usize, length: f32) -> Vec3A {
+        let carried = throughput * self.relative_transmittance(throughput, length);
+        let density = (carried * self.extinction[collisions]).element_sum();
+        carried * self.scattering[collisions] * (throughput.element_sum() / density)
     }
 
     /// The probability to reach `t` without a collision, under the mixture over channels.
     #[inline]
-    pub fn arrival_probability(&self, throughput: Vec3, t: f32) -> f32 {
-        (throughput * (-self.sigma_t * t).exp()).element_sum() / throughput.element_sum()
+    fn arrival_probability(&self, throughput: Vec3A, t: f32) -> f32 {
+        (throughput * self.transmittance(t)).element_sum() / throughput.element_sum()
     }
 
-    /// e^{−σt t} up to a common factor, which both weights cancel: relative to the clearest channel that still carries
+    #[inline]
+    fn transmittance(&self, t: f32) -> Vec3A {
+        fast_math::exp_negative(-self.sigma_t * t)
+    }
+
+    /// e^{−σt t} up to a common factor, which weights cancel: relative to the clearest channel that still carries
     /// light, so that the sum cannot underflow.
     #[inline]
-    fn relative_transmittance(&self, throughput: Vec3, t: f32) -> Vec3 {
-        let carried = Vec3::select(throughput.cmpgt(Vec3::ZERO), self.sigma_t, Vec3::INFINITY);
-        fast_math::exp_negative((Vec3::splat(carried.min_element()) - self.sigma_t).min(Vec3::ZERO) * t)
+    fn relative_transmittance(&self, throughput: Vec3A, t: f32) -> Vec3A {
+        let carried = Vec3A::select(throughput.cmpgt(Vec3A::ZERO), self.sigma_t, Vec3A::INFINITY);
+        let least = Vec3A::splat(carried.min_element());
+        fast_math::exp_negative((least - self.sigma_t).min(Vec3A::ZERO) * t)
     }
 }
 
-/// The element of `values` drawn with probability proportional to `weights`.
+/// A free flight in mean free paths.
 #[inline]
-fn pick_channel(values: Vec3, weights: Vec3, u: f32) -> f32 {
+fn draw_flight(rng: &mut SmallRng) -> f32 {
+    -fast_math::ln(rng.open01())
+}
+
+/// A channel drawn with probability proportional to `weights`.
+#[inline]
+fn pick_channel(weights: Vec3A, u: f32) -> usize {
     let u = u * weights.element_sum();
-    if u < weights.x {
-        values.x
-    } else if u < weights.x + weights.y {
-        values.y
-    } else {
-        values.z
-    }
+    usize::from(u >= weights.x) + usize::from(u >= weights.x + weights.y)
 }
 
-/// Russian roulette by throughput; `scale` brings it to the radiance of the outside. False: the path ends.
+/// Russian roulette of a path of the given largest throughput, in the radiance scale of the outside: what to multiply its
+/// throughput with, zero where it ends.
 #[inline]
-pub(super) fn roulette(throughput: &mut Vec3, scale: f32, rng: &mut SmallRng) -> bool {
-    let largest = throughput.max_element() * scale;
+pub(super) fn survival(largest: f32, rng: &mut SmallRng) -> f32 {
     if largest >= ROULETTE_BELOW {
-        return true;
+        1.0
+    } else if rng.f32() * ROULETTE_BELOW < largest {
+        ROULETTE_BELOW / largest
+    } else {
+        0.0
     }
-    if largest > 0.0 && rng.f32() * ROULETTE_BELOW < largest {
-        *throughput *= ROULETTE_BELOW / largest;
-        return true;
-    }
-    false
 }
 
 /// The walk in an object that contains nothing else, in the object's own space.
@@ -202,68 +221,89 @@ fn walk_alone(
         }
         _ => transform.inverse_point(head.position),
     };
-    let mut beta = head.throughput;
+    let mut beta = Vec3A::from(head.throughput);
     let bounds = mesh.bounds();
-    let mut bound = 0.0;
-    let arrival = loop {
-        let t = c.sample_distance(beta, sampler.rng());
-        if t >= bound {
-            if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max: t }) {
-                if aiming.rate > 0.0 && aiming.ready(p, bound, connector) {
-                    let density = phase_pdf * c.arrival_probability(beta, hit.t);
-                    let aimed = aiming.rate * aiming.aim.pdf(transform.direction(d));
-                    head.aimed = (aimed / density).min(LARGEST_RATIO);
+    let enough = AIMING_DEPTH / least_sigma_t;
+    // How far the boundary is at least.
+    let mut clear = 0.0;
+    let mut next_flight = draw_flight(sampler.rng());
+    let arrival = 'walk: loop {
+        let mean_free_path = c.draw_mean_free_path(beta, sampler.rng());
+        let stretch = c.stretch.min((flight.budget - head.events) as usize);
+        let (mut collisions, mut length) = (0, 0.0);
+        while collisions < stretch {
+            let t = next_flight * mean_free_path;
+            // What comes next is drawn before the branches, which are hard to predict: it need not be done again.
+            next_flight = draw_flight(sampler.rng());
+            let turned = redirect(c.phase, d, sampler.rng());
+            if t >= clear {
+                clear = distance.bound(mesh, p);
+                if t >= clear {
+                    if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max: t }) {
+                        if aiming.rate > 0.0 && aiming.ready(p, clear, connector) {
+                            let beta = c.weigh(beta, collisions, length);
+                            let density = phase_pdf * c.arrival_probability(beta, hit.t);
+                            head.aimed = aiming.aim.aimed(transform.direction(d), aiming.rate / density);
+                        }
+                        beta = c.weigh(beta, collisions, length + hit.t);
+                        p += d * hit.t;
+                        break 'walk Arrival::Surface(placed(&hit, instance, transform.scale));
+                    }
+                    // Rounding next to a sharp edge may have let the walk out.
+                    if t == f32::INFINITY || !bounds.contains(p) {
+                        break 'walk Arrival::Escaped;
+                    }
                 }
-                beta = c.arrival(beta, hit.t);
-                p += d * hit.t;
-                break Arrival::Surface(placed(&hit, instance, transform.scale));
             }
-            if t == f32::INFINITY {
-                break Arrival::Escaped;
+            p += d * t;
+            length += t;
+            clear -= t;
+            collisions += 1;
+            head.events += 1;
+            let incoming = d;
+            d = turned;
+            if !aims {
+                continue;
             }
-        }
-        beta = c.collision(beta, t);
-        p += d * t;
-        head.events += 1;
-        if head.events >= flight.budget || !roulette(&mut beta, radiance_scale, sampler.rng()) {
-            break Arrival::Ended;
-        }
-        bound = distance.bound(p);
-        if bound == 0.0 && !bounds.contains(p) {
-            // Rounding next to a sharp edge has let the walk out.
-            break Arrival::Escaped;
-        }
-        aiming.forget();
-        let depth = bound * least_sigma_t;
-        if aims && depth < AIMING_DEPTH {
+            aiming.forget();
+            if clear >= enough {
+                continue;
+            }
+            clear = distance.bound(mesh, p);
+            if clear >= enough {
+                continue;
+            }
+            phase_pdf = c.phase.eval_directions(incoming, d);
             // A path of little weight is not worth aiming.
             let worth = (beta.max_element() * radiance_scale).min(1.0);
-            aiming.rate = AIMING_RATE * worth * (-AIMING_FALLOFF * depth).exp();
+            aiming.rate = AIMING_RATE * worth * (-AIMING_FALLOFF * clear * least_sigma_t).exp();
             if sampler.rng().f32() < aiming.rate
-                && aiming.ready(p, bound, connector)
-                && let Some((direction, pdf)) = aiming.aim.sample(sampler.rng())
+                && aiming.ready(p, clear, connector)
+                && let Some((direction, pdf)) = connector.draw(transform.point(p), &mut aiming.aim, sampler)
             {
                 let local = transform.inverse_direction(direction);
                 let ray = Ray { origin: p, direction: local, t_max: f32::INFINITY };
                 if let Some(hit) = mesh.intersect(&ray) {
-                    let phase = c.phase.eval_directions(d, local);
+                    let beta = c.weigh(beta, collisions, length);
+                    let phase = c.phase.eval_directions(incoming, local);
                     let density = phase * c.arrival_probability(beta, hit.t);
-                    let throughput = beta * (-c.sigma_t * hit.t).exp() * (phase / (pdf * aiming.rate));
-                    let ratio = (aiming.rate * pdf / density).min(LARGEST_RATIO);
+                    let throughput = beta * c.transmittance(hit.t) * (phase / (pdf * aiming.rate));
+                    let aimed = aiming.aim.aimed(direction, aiming.rate / density);
                     let hit = placed(&hit, instance, transform.scale);
-                    connector.emerge(&hit, direction, throughput, ratio, sampler);
+                    connector.emerge(&hit, direction, throughput.into(), &aiming.aim, aimed, sampler);
                 }
             }
         }
-        let incoming = d;
-        d = redirect(c.phase, incoming, sampler.rng());
-        if aiming.rate > 0.0 {
-            phase_pdf = c.phase.eval_directions(incoming, d);
+        beta = c.weigh(beta, collisions, length);
+        let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
+        if survival == 0.0 || head.events >= flight.budget {
+            break Arrival::Ended;
         }
+        beta *= survival;
     };
     head.position = transform.point(p);
     head.direction = transform.direction(d);
-    head.throughput = beta;
+    head.throughput = beta.into();
     arrival
 }
 
@@ -290,9 +330,11 @@ impl Aiming<'_> {
         if let Some(state) = self.state {
             return state;
         }
-        let state = self.mesh.nearest(p, self.distance.reach(bound)).is_some_and(|nearest| {
-            let normal = self.transform.direction(self.mesh.geometric_normal(nearest.triangle));
-            connector.aim(self.transform.point(p), normal, &mut self.aim)
+        let nearest = || self.mesh.nearest(p, self.distance.reach(bound));
+        let normal = self.distance.normal(self.mesh, p);
+        let normal = normal.or_else(|| nearest().map(|n| self.mesh.geometric_normal(n.triangle)));
+        let state = normal.is_some_and(|n| {
+            connector.aim(self.transform.point(p), self.transform.direction(n), &mut self.aim)
         });
         self.state = Some(state);
         state
@@ -316,22 +358,24 @@ fn walk_in_scene(
     let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
     let radiance_scale = medium.ior * medium.ior;
     loop {
-        let t = c.sample_distance(head.throughput, sampler.rng());
+        let mean_free_path = c.draw_mean_free_path(head.throughput.into(), sampler.rng());
+        let t = draw_flight(sampler.rng()) * mean_free_path;
         let ray = Ray { origin: head.position, direction: head.direction, t_max: t };
         if let Some(hit) = flight.scene.geometry.intersect(&ray) {
-            head.throughput = c.arrival(head.throughput, hit.t);
+            head.throughput = c.weigh(head.throughput.into(), 0, hit.t).into();
             head.position += head.direction * hit.t;
             return Arrival::Surface(hit);
         }
         if t == f32::INFINITY {
             return Arrival::Escaped;
         }
-        head.throughput = c.collision(head.throughput, t);
+        head.throughput = c.weigh(head.throughput.into(), 1, t).into();
         head.position += head.direction * t;
         if !scatter(head, c.phase, sampler, straight.then_some(&mut *connector)) {
             return Arrival::Ended;
         }
-        if head.events >= flight.budget || !roulette(&mut head.throughput, radiance_scale, sampler.rng()) {
+        head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
             return Arrival::Ended;
         }
     }
@@ -343,16 +387,13 @@ fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3
     if phase.g == 0.0 { uniform_direction(rng) } else { phase.sample(incoming, rng.vec2()).0 }
 }
 
-/// A direction uniform over the sphere, without trigonometry (Marsaglia 1972).
+/// A direction uniform over the sphere.
 #[inline]
 fn uniform_direction(rng: &mut SmallRng) -> Vec3 {
-    loop {
-        let p = rng.vec2() * 2.0 - Vec2::ONE;
-        let s = p.length_squared();
-        if s < 1.0 {
-            return (p * (2.0 * (1.0 - s).sqrt())).extend(1.0 - 2.0 * s);
-        }
-    }
+    let z = 1.0 - 2.0 * rng.f32();
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = fast_math::sin_cos_turns(rng.f32() - 0.5);
+    Vec3::new(radius * cos, radius * sin, z)
 }
 
 /// A scattering event, with connections to lights where they can be made. False: nothing is left to carry.

@@ -11,7 +11,7 @@
 //!
 //! The nearest boundary point of the last event bounds the next search: it is at most the distance travelled farther.
 
-use super::random_walk::{roulette, scatter};
+use super::random_walk::{scatter, survival};
 use super::{Arrival, Connection, Connector, Flight, PathHead};
 use crate::geometry::Ray;
 use crate::sampling::{Sampler, SmallRng};
@@ -81,7 +81,8 @@ impl<'a> TexturedMedium<'a> {
             }
             let (sigma_a, sigma_s) = self.coefficients(origin + direction * t);
             transmittance *= Vec3::ONE - (sigma_a + sigma_s) / majorant;
-            if !roulette(&mut transmittance, 1.0, rng) {
+            transmittance *= survival(transmittance.max_element(), rng);
+            if transmittance.max_element() <= 0.0 {
                 return Vec3::ZERO;
             }
         }
@@ -135,7 +136,8 @@ pub(super) fn propagate(
             head.throughput *= sigma_n / (majorant * (1.0 - real));
             head.events += 1;
         }
-        if head.events >= flight.budget || !roulette(&mut head.throughput, radiance_scale, sampler.rng()) {
+        head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
             return Arrival::Ended;
         }
     }

@@ -2,12 +2,13 @@
 
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::weight::Techniques;
 use crate::geometry::{Ray, offset_origin};
 use crate::optics::Bsdf;
 use crate::optics::boundary::MATCHED_INDEX;
-use crate::sampling::{Sampler, orthonormal_basis, power_heuristic};
+use crate::sampling::{Sampler, orthonormal_basis};
 use crate::scene::{AlphaMode, Surface};
-use crate::subsurface::TexturedMedium;
+use crate::subsurface::{Aimed, LightNumbers, TexturedMedium};
 use glam::{Mat3, Vec3};
 
 /// Shadow rays end this fraction before the light, so that they do not meet the emitter itself. Relative, hence free
@@ -36,13 +37,12 @@ pub(super) struct Shaded<'a> {
     pub matched: bool,
 }
 
-/// How a boundary was reached from inside. Light found directly beyond it has three techniques: the path itself with
-/// light sampling, the path itself with a scattered ray, and an aimed direction with light sampling. They are weighed by
-/// the power heuristic; `aimed` is the ratio of the third's density to the first's.
+/// How a boundary was reached from inside.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Reached {
-    pub aimed: f32,
-    /// Whether this is the aimed direction.
+    /// How much likelier it was by aiming.
+    pub aimed: Aimed,
+    /// Whether it was by aiming.
     pub by_aiming: bool,
 }
 
@@ -64,29 +64,22 @@ impl Shaded<'_> {
             _ => None,
         };
     }
-
-    /// Weight of a light sample of density `light`, which a scattered ray finds with density `by_chance`.
-    fn light_weight(&self, light: f32, by_chance: f32) -> f32 {
-        let (chance, aimed) = (by_chance / light, self.reached.aimed);
-        if self.reached.by_aiming {
-            // r²/(1 + c² + r²), written so that nothing overflows.
-            let (one, c) = (aimed.recip(), chance / aimed);
-            1.0 / (1.0 + one * one + c * c)
-        } else {
-            1.0 / (1.0 + chance * chance + aimed * aimed)
-        }
-    }
-}
-
-/// Weight of light of light-sampling density `light` that a scattered ray of density `by_chance` has found.
-pub(super) fn chance_weight(by_chance: f32, light: f32, aimed: f32) -> f32 {
-    power_heuristic(by_chance, light * (1.0 + aimed * aimed).sqrt())
 }
 
 impl PathTracer<'_> {
-    /// Light from one sampled light, scattered at a surface towards the previous vertex.
-    pub(super) fn direct_surface(&self, s: &Shaded<'_>, stack: &MediumStack, sampler: &mut Sampler) -> Vec3 {
-        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+    /// Light from one sampled light, scattered at a surface towards the previous vertex; with the given numbers, or new
+    /// ones.
+    pub(super) fn direct_surface(
+        &self,
+        s: &Shaded<'_>,
+        stack: &MediumStack,
+        numbers: Option<LightNumbers>,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
+        let (u_select, u) = match numbers {
+            Some(n) => (n.select, n.point),
+            None => (sampler.next_1d(), sampler.next_2d()),
+        };
         let Some(light) = self.scene.lights.sample(s.surface.position, s.light_normal, u_select, u) else {
             return Vec3::ZERO;
         };
@@ -104,7 +97,8 @@ impl PathTracer<'_> {
             return Vec3::ZERO;
         }
         let by_chance = if light.delta { 0.0 } else { s.bsdf.pdf(s.wo, wi) };
-        let weight = s.light_weight(light.pdf, by_chance);
+        let techniques = Techniques::new(&s.reached.aimed, light.direction, light.pdf, by_chance);
+        let weight = if s.reached.by_aiming { techniques.weigh_aimed() } else { techniques.weigh_light() };
         let contribution = f * light.radiance * (weight / light.pdf);
         if contribution.max_element() <= 0.0 {
             return Vec3::ZERO;

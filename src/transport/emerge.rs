@@ -4,12 +4,13 @@
 use super::direct::{Reached, Shaded};
 use super::media::{Enclosure, MediumStack};
 use super::path::{PathTracer, Vertex};
+use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::{Bsdf, HenyeyGreenstein};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{Shading, Surface};
-use crate::subsurface::{Aim, Connector};
-use glam::{Mat3, Vec2, Vec3};
+use crate::subsurface::{Aim, Aimed, Connector, LightNumbers};
+use glam::{Mat3, Vec3};
 
 /// The lobe number that chooses refraction where there is any.
 const REFRACT: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -30,9 +31,11 @@ impl<'a, 'b> FlightLights<'a, 'b> {
         Self { tracer, stack, enclosure, radiance: Vec3::ZERO, vertex: None }
     }
 
-    /// Light found by refracting straight on through a smooth boundary.
-    fn refracted(&self, shaded: &Shaded<'_>, aimed: f32) -> Vec3 {
-        let Some(sample) = shaded.bsdf.sample(shaded.wo, REFRACT, Vec2::splat(0.5)) else {
+    /// Light found by refracting on through a smooth or nearly smooth boundary.
+    fn refracted(&self, shaded: &Shaded<'_>, aimed: &Aimed, sampler: &mut Sampler) -> Vec3 {
+        let delta = shaded.bsdf.is_delta();
+        let u_lobe = if delta { REFRACT } else { sampler.next_1d() };
+        let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, sampler.next_2d()) else {
             return Vec3::ZERO;
         };
         let direction = (shaded.frame * sample.wi).normalize();
@@ -40,11 +43,16 @@ impl<'a, 'b> FlightLights<'a, 'b> {
         if !sample.transmitted || direction.dot(n) <= 0.0 {
             return Vec3::ZERO;
         }
-        let origin = offset_origin(shaded.surface.position, shaded.surface.error, n, direction);
+        let from = shaded.surface.position;
+        let origin = offset_origin(from, shaded.surface.error, n, direction);
         self.tracer.count_ray();
         let scene = self.tracer.scene;
-        let light = match scene.geometry.intersect(&Ray { origin, direction, t_max: f32::INFINITY }) {
-            None => scene.lights.environment_radiance(direction),
+        let ray = Ray { origin, direction, t_max: f32::INFINITY };
+        let (light, density) = match scene.geometry.intersect(&ray) {
+            None => {
+                let density = scene.lights.environment_pdf(from, shaded.light_normal, direction);
+                (scene.lights.environment_radiance(direction), density)
+            }
             Some(hit) => {
                 let surface = Surface::new(scene, &hit);
                 let material = scene.material(surface.material);
@@ -52,11 +60,17 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 if material.unlit || !(front || material.double_sided) {
                     return Vec3::ZERO;
                 }
-                scene.emission(&surface)
+                let id = scene.lights.emitter_id(hit.instance, hit.triangle);
+                let pdf = |id| scene.lights.emitter_pdf(id, from, shaded.light_normal, surface.position);
+                (scene.emission(&surface), id.map_or(0.0, pdf))
             }
         };
-        // r²/(1 + r²)
-        light * sample.weight * (sample.pdf * power_heuristic(aimed, 1.0))
+        if delta {
+            let weight = Techniques::new(aimed, direction, 0.0, 1.0).weigh_aimed();
+            light * sample.weight * (sample.pdf * weight)
+        } else {
+            light * sample.weight * Techniques::new(aimed, direction, density, sample.pdf).weigh_aimed()
+        }
     }
 }
 
@@ -82,7 +96,7 @@ impl Connector for FlightLights<'_, '_> {
     }
 
     fn redirected(&mut self, point: Vec3, pdf: f32) {
-        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true, aimed: 0.0 });
+        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true, aimed: Aimed::default() });
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -90,10 +104,31 @@ impl Connector for FlightLights<'_, '_> {
         let material = scene.material(self.enclosure.material);
         let Some(medium) = &material.medium else { return false };
         let alpha = material.roughness * material.roughness;
-        aim.set(&scene.beacons, point, normal, medium.ior, alpha)
+        aim.set_boundary(normal, medium.ior, alpha);
+        aim.samples_light() || aim.at_beacons(&scene.beacons, point)
     }
 
-    fn emerge(&mut self, hit: &Hit, incoming: Vec3, throughput: Vec3, aimed: f32, sampler: &mut Sampler) {
+    fn draw(&self, point: Vec3, aim: &mut Aim, sampler: &mut Sampler) -> Option<(Vec3, f32)> {
+        if aim.samples_light() {
+            let numbers = LightNumbers { select: sampler.next_1d(), point: sampler.next_2d() };
+            let lights = &self.tracer.scene.lights;
+            let light = lights.sample(point, Some(aim.normal()), numbers.select, numbers.point)?;
+            if !aim.towards(light.direction, numbers) {
+                return None;
+            }
+        }
+        aim.sample(sampler.rng())
+    }
+
+    fn emerge(
+        &mut self,
+        hit: &Hit,
+        incoming: Vec3,
+        throughput: Vec3,
+        aim: &Aim,
+        aimed: Aimed,
+        sampler: &mut Sampler,
+    ) {
         let tracer = self.tracer;
         let surface = Surface::new(tracer.scene, hit);
         let Some(enclosure) = tracer.enclosure_of(&surface) else { return };
@@ -103,7 +138,9 @@ impl Connector for FlightLights<'_, '_> {
         let (_, eta) = tracer.interface(&self.stack, enclosure, false);
         let shading = Shading::new(tracer.scene, &surface);
         let bsdf = shading.bsdf(eta, true, tracer.options.microfacet);
-        let Bsdf::Boundary(boundary) = &bsdf else { return };
+        if !matches!(bsdf, Bsdf::Boundary(_)) {
+            return;
+        }
         let mut shaded = Shaded {
             surface: &surface,
             bsdf: &bsdf,
@@ -117,10 +154,10 @@ impl Connector for FlightLights<'_, '_> {
             matched: false,
         };
         shaded.orient(-incoming, shading.normal, true);
-        let light = if boundary.is_delta() {
-            self.refracted(&shaded, aimed)
+        let light = if aimed.samples_light() {
+            tracer.direct_surface(&shaded, &self.stack, aim.numbers(), sampler)
         } else {
-            tracer.direct_surface(&shaded, &self.stack, sampler)
+            self.refracted(&shaded, &aimed, sampler)
         };
         self.radiance += throughput * light;
     }

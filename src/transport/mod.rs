@@ -9,6 +9,7 @@ mod emerge;
 mod media;
 mod path;
 mod render;
+mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};
 pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};

@@ -1,15 +1,16 @@
 //! One path: from the camera through surfaces and media until it finds no more light.
 
-use super::direct::{Reached, Shaded, chance_weight};
+use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::render::RenderOptions;
+use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::boundary::MATCHED_INDEX;
-use crate::optics::{Bsdf, DiffuseExit, Medium};
-use crate::sampling::{Sampler, power_heuristic};
+use crate::optics::{Bsdf, BsdfSample, DiffuseExit, Medium};
+use crate::sampling::{ONE_MINUS_EPSILON, Sampler};
 use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
-use crate::subsurface::{Arrival, Connection, Flight, PathHead, Propagator, Start};
+use crate::subsurface::{Aimed, Arrival, Connection, Flight, PathHead, Propagator, Start};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
@@ -28,7 +29,7 @@ pub(super) struct Vertex {
     /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
     pub connected: bool,
     /// As [`PathHead::aimed`], for light found directly from here.
-    pub aimed: f32,
+    pub aimed: Aimed,
 }
 
 /// Events that tell of trouble, and work done; sums over all threads.
@@ -53,6 +54,7 @@ pub(super) struct PathTracer<'a> {
 }
 
 /// The state of a path between events.
+#[derive(Clone)]
 struct Path {
     head: PathHead,
     stack: MediumStack,
@@ -61,6 +63,8 @@ struct Path {
     bounces: u32,
     /// The camera still sees straight through what was met.
     direct_view: bool,
+    /// What a boundary seen by the camera reflects, to be followed after the rest.
+    reflection: Option<Box<Path>>,
 }
 
 impl PathTracer<'_> {
@@ -87,7 +91,8 @@ impl PathTracer<'_> {
     }
 
     fn trace(&self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
-        let start = Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false, aimed: 0.0 };
+        let start =
+            Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false, aimed: Aimed::default() };
         let mut path = Path {
             head: PathHead {
                 position: ray.origin,
@@ -95,22 +100,32 @@ impl PathTracer<'_> {
                 throughput: Vec3::ONE,
                 events: 0,
                 start: None,
-                aimed: 0.0,
+                aimed: Aimed::default(),
             },
             stack: self.surrounding,
             vertex: start,
             events: 0,
             bounces: 0,
             direct_view: true,
+            reflection: None,
         };
         let mut radiance = Vec3::ZERO;
+        self.follow(&mut path, &mut radiance, sampler);
+        if let Some(mut reflection) = path.reflection {
+            self.follow(&mut reflection, &mut radiance, sampler);
+        }
+        radiance
+    }
+
+    /// Follows a path until it ends.
+    fn follow(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) {
         while path.events < self.options.max_depth {
-            let alive = match self.advance(&mut path, &mut radiance, sampler) {
-                Arrival::Surface(hit) => self.meet_surface(&hit, &mut path, &mut radiance, sampler),
-                Arrival::Exit(surface) => self.leave_below(&surface, &mut path, &mut radiance, sampler),
+            let alive = match self.advance(path, radiance, sampler) {
+                Arrival::Surface(hit) => self.meet_surface(&hit, path, radiance, sampler),
+                Arrival::Exit(surface) => self.leave_below(&surface, path, radiance, sampler),
                 Arrival::Escaped => {
-                    radiance += self.environment(&path);
-                    return radiance;
+                    *radiance += self.environment(path);
+                    return;
                 }
                 Arrival::Ended => false,
             };
@@ -118,11 +133,10 @@ impl PathTracer<'_> {
                 if path.events >= self.options.max_depth {
                     break;
                 }
-                return radiance;
+                return;
             }
         }
         self.count(|c| c.truncated += 1);
-        radiance
     }
 
     /// Moves the head to where it arrives next.
@@ -144,15 +158,20 @@ impl PathTracer<'_> {
         let connection = self.connection(path, object, medium);
         let flight = Flight { scene: self.scene, enclosure, object, medium, budget, connection };
         path.head.events = 0;
-        path.head.aimed = 0.0;
+        path.head.aimed = Aimed::default();
         let mut lights = FlightLights::new(self, path.stack, enclosure);
         let arrival = self.model.propagate(&flight, &mut path.head, sampler, &mut lights);
         *radiance += lights.radiance;
         if let Some(vertex) = lights.vertex {
             path.vertex = vertex;
         } else if path.head.events > 0 {
-            path.vertex =
-                Vertex { point: path.head.position, normal: None, pdf: 1.0, connected: false, aimed: 0.0 };
+            path.vertex = Vertex {
+                point: path.head.position,
+                normal: None,
+                pdf: 1.0,
+                connected: false,
+                aimed: Aimed::default(),
+            };
         }
         path.events = path.events.saturating_add(path.head.events);
         let events = path.head.events;
@@ -194,12 +213,13 @@ impl PathTracer<'_> {
     fn environment(&self, path: &Path) -> Vec3 {
         let radiance = self.scene.lights.environment_radiance(path.head.direction);
         let v = &path.vertex;
-        let weight = if v.connected {
-            let light = self.scene.lights.environment_pdf(v.point, v.normal, path.head.direction);
-            chance_weight(v.pdf, light, v.aimed)
+        let direction = path.head.direction;
+        let (light, chance) = if v.connected {
+            (self.scene.lights.environment_pdf(v.point, v.normal, direction), v.pdf)
         } else {
-            power_heuristic(1.0, v.aimed)
+            (0.0, 1.0)
         };
+        let weight = Techniques::new(&v.aimed, direction, light, chance).weigh_chance();
         let mut scale = 1.0;
         if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
             // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
@@ -251,7 +271,7 @@ impl PathTracer<'_> {
         let shading = Shading::new(self.scene, &surface);
         let bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
         if !matches!(bsdf, Bsdf::Boundary(_)) {
-            path.head.aimed = 0.0;
+            path.head.aimed = Aimed::default();
         }
         let lit_inside = enclosure.is_none_or(|e| {
             let object = &self.scene.objects[e.instance as usize];
@@ -312,14 +332,39 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> bool {
-        let geometric = shaded.surface.geometric_normal;
         shaded.orient(-path.head.direction, normal, see_through);
         let connected = !shaded.bsdf.is_delta();
         if connected {
-            *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, sampler);
+            *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, None, sampler);
         }
-        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let (mut u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let reflected = if path.bounces == 0 { shaded.bsdf.reflected_share(shaded.wo) } else { 0.0 };
+        if reflected > 0.0 {
+            if let Some(sample) = shaded.bsdf.sample(shaded.wo, reflected * u_lobe, u) {
+                let mut other = path.clone();
+                other.head.throughput *= reflected;
+                other.bounces = ROULETTE_AFTER - 1;
+                if self.leave(&shaded, &sample, connected, &mut other, sampler) {
+                    path.reflection = Some(Box::new(other));
+                }
+            }
+            u_lobe = (reflected + (1.0 - reflected) * u_lobe).min(ONE_MINUS_EPSILON);
+            path.head.throughput *= 1.0 - reflected;
+        }
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
+        self.leave(&shaded, &sample, connected, path, sampler)
+    }
+
+    /// Sends a path on its way in a sampled direction. False: it ends.
+    fn leave(
+        &self,
+        shaded: &Shaded<'_>,
+        sample: &BsdfSample,
+        connected: bool,
+        path: &mut Path,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let geometric = shaded.surface.geometric_normal;
         let mut wi = (shaded.frame * sample.wi).normalize();
         let mut weighed = connected && !sample.delta;
         let to_front = shaded.front != sample.transmitted;
@@ -333,9 +378,10 @@ impl PathTracer<'_> {
         }
         // The aimed direction finds what a refracted ray of a smooth boundary finds, and what light sampling finds
         // through a rough one.
-        let rival = if sample.transmitted && consistent { path.head.aimed } else { 0.0 };
-        let aimed = if connected == weighed { rival } else { 0.0 };
-        path.head.aimed = 0.0;
+        let none = Aimed::default();
+        let rival = if sample.transmitted && consistent { path.head.aimed } else { none };
+        let aimed = if connected == weighed { rival } else { none };
+        path.head.aimed = Aimed::default();
         path.head.throughput *= sample.weight;
         path.head.direction = wi;
         if let Some(e) = shaded.enclosure
@@ -388,13 +434,11 @@ impl PathTracer<'_> {
     fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
         let v = &path.vertex;
         let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
-        let weight = match id.filter(|_| v.connected) {
-            Some(id) => {
-                let light = self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position);
-                chance_weight(v.pdf, light, v.aimed)
-            }
-            None => power_heuristic(1.0, v.aimed),
+        let (light, chance) = match id.filter(|_| v.connected) {
+            Some(id) => (self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position), v.pdf),
+            None => (0.0, 1.0),
         };
+        let weight = Techniques::new(&v.aimed, path.head.direction, light, chance).weigh_chance();
         path.head.throughput * self.scene.emission(surface) * weight
     }
 }
