@@ -241,7 +241,7 @@ mod tests {
     fn bounds_are_below_the_distance_and_close_to_it() {
         let shapes = [
             (sphere(4, 0.0, 1), [0.75, 0.6]),
-            (sphere(4, 0.3, 2), [0.65, 0.5]),
+            (sphere(4, 0.3, 2), [0.65, 0.3]),
             (cuboid(Vec3::splat(-1.0), Vec3::new(1.0, 0.2, 0.5)), [0.65, 0.9]),
             (soup(50, 0.5, 3), [0.5, 0.0]),
         ];
