@@ -22,6 +22,7 @@ mod camera;
 mod container;
 pub mod environment;
 mod error;
+mod extensions;
 mod image;
 mod json;
 mod loader;

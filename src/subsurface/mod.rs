@@ -12,6 +12,7 @@
 
 mod aim;
 mod random_walk;
+mod spectral;
 mod textured;
 
 pub use aim::{Aim, Aimed, LightNumbers};

@@ -6,18 +6,7 @@
 //! | `t` | free flight | m |
 //! | `throughput` | β | 1 |
 //!
-//! **Distances.** A channel c is drawn with probability p_c = β_c/Σβ and keeps to be used for a stretch of a few events:
-//! free flights come from σt_c e^{−σt_c t}. n collisions and a length L in all, the last part of which may end at a
-//! boundary instead of a collision, then have density σt_c^n e^{−σt_c L}, and the balance heuristic over the channels
-//! (spectral MIS) weighs the stretch with
-//!
-//! ```text
-//! β_k ← β_k σs_k^n e^{−σt_k L} / Σ_c p_c σt_c^n e^{−σt_c L}
-//! ```
-//!
-//! With p_c ∝ β_c the sum Σβ never grows. A stretch costs one weight, however many events it has; it is short where albedo
-//! is low, so that Russian roulette comes in time, and where the channels differ by more than powers of their ratio
-//! can express.
+//! **Distances.** Free flights and their weights are those of [`super::spectral`].
 //!
 //! **Short queries.** In an object that contains nothing else the walk runs in the object's own space, and a flight
 //! shorter than a lower bound of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query.
@@ -28,6 +17,7 @@
 //! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
+use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
 use crate::optics::HenyeyGreenstein;
@@ -43,13 +33,6 @@ const AIMING_DEPTH: f32 = 2.0;
 /// Probability of aiming at the boundary, and how fast it falls with depth. Measured: more costs more than it saves.
 const AIMING_RATE: f32 = 0.35;
 const AIMING_FALLOFF: f32 = 1.5;
-
-/// Most events of a stretch.
-const LONGEST_STRETCH: usize = 8;
-/// Albedo to the power of a stretch's events is at least this.
-const STRETCH_SURVIVAL: f32 = 0.5;
-/// Ratio of extinctions beyond which every event is a stretch of its own.
-const LARGEST_CONTRAST: f32 = 1e3;
 
 /// The ground truth.
 pub struct RandomWalk;
@@ -90,95 +73,6 @@ impl Propagator for Walker {
             _ => walk_in_scene(flight, head, sampler, connector),
         }
     }
-}
-
-/// Coefficients of a homogeneous medium in the units of the walk.
-#[derive(Clone, Copy)]
-struct Coefficients {
-    sigma_t: Vec3A,
-    mean_free_path: [f32; 3],
-    /// Powers of σs and σt, relative to the largest σt.
-    scattering: [Vec3A; LONGEST_STRETCH + 1],
-    extinction: [Vec3A; LONGEST_STRETCH + 1],
-    /// Events of a stretch.
-    stretch: usize,
-    phase: HenyeyGreenstein,
-}
-
-impl Coefficients {
-    fn new(sigma_a: Vec3, sigma_s: Vec3, g: f32, scale: f32) -> Self {
-        let sigma_t = (sigma_a + sigma_s) * scale;
-        let largest = sigma_t.max_element();
-        let least = Vec3::select(sigma_t.cmpgt(Vec3::ZERO), sigma_t, Vec3::INFINITY).min_element();
-        let albedo =
-            Vec3::select(sigma_t.cmpgt(Vec3::ZERO), sigma_s * scale / sigma_t, Vec3::ZERO).max_element();
-        let stretch = if largest > LARGEST_CONTRAST * least {
-            1
-        } else {
-            ((STRETCH_SURVIVAL.ln() / albedo.ln()) as usize).clamp(1, LONGEST_STRETCH)
-        };
-        let mut scattering = [Vec3A::ONE; LONGEST_STRETCH + 1];
-        let mut extinction = scattering;
-        for n in 1..=LONGEST_STRETCH {
-            scattering[n] = scattering[n - 1] * Vec3A::from(sigma_s * scale / largest);
-            extinction[n] = extinction[n - 1] * Vec3A::from(sigma_t / largest);
-        }
-        Self {
-            sigma_t: sigma_t.into(),
-            mean_free_path: sigma_t.recip().to_array(),
-            scattering,
-            extinction,
-            stretch,
-            phase: HenyeyGreenstein { g },
-        }
-    }
-
-    /// The mean free path of a channel drawn from the mixture.
-    #[inline]
-    fn draw_mean_free_path(&self, throughput: Vec3A, rng: &mut SmallRng) -> f32 {
-        self.mean_free_path[pick_channel(throughput, rng.f32())]
-    }
-
-    /// The throughput after `collisions` (at most one stretch's) on the way of a length, in one stretch.
-    #[inline]
-    fn weigh(&self, throughput: Vec3A, collisions: usize, length: f32) -> Vec3A {
-        let carried = throughput * self.relative_transmittance(throughput, length);
-        let density = (carried * self.extinction[collisions]).element_sum();
-        carried * self.scattering[collisions] * (throughput.element_sum() / density)
-    }
-
-    /// The probability to reach `t` without a collision, under the mixture over channels.
-    #[inline]
-    fn arrival_probability(&self, throughput: Vec3A, t: f32) -> f32 {
-        (throughput * self.transmittance(t)).element_sum() / throughput.element_sum()
-    }
-
-    #[inline]
-    fn transmittance(&self, t: f32) -> Vec3A {
-        fast_math::exp_negative(-self.sigma_t * t)
-    }
-
-    /// e^{−σt t} up to a common factor, which weights cancel: relative to the clearest channel that still carries
-    /// light, so that the sum cannot underflow.
-    #[inline]
-    fn relative_transmittance(&self, throughput: Vec3A, t: f32) -> Vec3A {
-        let carried = Vec3A::select(throughput.cmpgt(Vec3A::ZERO), self.sigma_t, Vec3A::INFINITY);
-        let least = Vec3A::splat(carried.min_element());
-        fast_math::exp_negative((least - self.sigma_t).min(Vec3A::ZERO) * t)
-    }
-}
-
-/// A free flight in mean free paths.
-#[inline]
-fn draw_flight(rng: &mut SmallRng) -> f32 {
-    -fast_math::ln(rng.open01())
-}
-
-/// A channel drawn with probability proportional to `weights`.
-#[inline]
-fn pick_channel(weights: Vec3A, u: f32) -> usize {
-    let u = u * weights.element_sum();
-    usize::from(u >= weights.x) + usize::from(u >= weights.x + weights.y)
 }
 
 /// Russian roulette of a path of the given largest throughput, in the radiance scale of the outside: what to multiply its

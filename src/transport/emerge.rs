@@ -3,7 +3,8 @@
 
 use super::direct::{Reached, Shaded};
 use super::media::{Enclosure, MediumStack};
-use super::path::{PathTracer, Vertex};
+use super::path::PathTracer;
+use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::{Bsdf, HenyeyGreenstein};

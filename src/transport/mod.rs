@@ -4,11 +4,13 @@
 //! objects around it; [`direct`](self) connects vertices to lights. A picture is a function of (scene, options, seed):
 //! every pixel sums its samples in order, whatever the number of threads.
 
+mod chance;
 mod direct;
 mod emerge;
 mod media;
 mod path;
 mod render;
+mod state;
 mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};

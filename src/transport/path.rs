@@ -4,13 +4,13 @@ use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::render::RenderOptions;
-use super::weight::Techniques;
-use crate::geometry::{Hit, Ray, offset_origin};
+use super::state::{Counters, Path, Vertex};
+use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, BsdfSample, DiffuseExit, Medium};
 use crate::sampling::{ONE_MINUS_EPSILON, Sampler};
 use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
-use crate::subsurface::{Aimed, Arrival, Connection, Flight, PathHead, Propagator, Start};
+use crate::subsurface::{Aimed, Arrival, Connection, Flight, PathHead, Propagator};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
@@ -18,29 +18,6 @@ use std::cell::Cell;
 const ROULETTE_AFTER: u32 = 3;
 /// Below this throughput a path at a surface plays Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
-
-/// The last vertex that chose a direction, for weighing what the direction finds.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Vertex {
-    pub point: Vec3,
-    pub normal: Option<Vec3>,
-    /// Solid-angle density of the direction.
-    pub pdf: f32,
-    /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
-    pub connected: bool,
-    /// As [`PathHead::aimed`], for light found directly from here.
-    pub aimed: Aimed,
-}
-
-/// Events that tell of trouble, and work done; sums over all threads.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counters {
-    pub rays: u64,
-    pub events: u64,
-    pub truncated: u64,
-    pub leaks: u64,
-    pub invalid: u64,
-}
 
 /// Follows paths through a scene; one for each thread.
 pub(super) struct PathTracer<'a> {
@@ -53,26 +30,12 @@ pub(super) struct PathTracer<'a> {
     pub counters: Cell<Counters>,
 }
 
-/// The state of a path between events.
-#[derive(Clone)]
-struct Path {
-    head: PathHead,
-    stack: MediumStack,
-    vertex: Vertex,
-    events: u32,
-    bounces: u32,
-    /// The camera still sees straight through what was met.
-    direct_view: bool,
-    /// What a boundary seen by the camera reflects, to be followed after the rest.
-    reflection: Option<Box<Path>>,
-}
-
 impl PathTracer<'_> {
     pub(super) fn count_ray(&self) {
         self.count(|c| c.rays += 1);
     }
 
-    fn count(&self, f: impl FnOnce(&mut Counters)) {
+    pub(super) fn count(&self, f: impl FnOnce(&mut Counters)) {
         let mut c = self.counters.get();
         f(&mut c);
         self.counters.set(c);
@@ -207,26 +170,6 @@ impl PathTracer<'_> {
             Some(hit) => Arrival::Surface(hit),
             None => Arrival::Escaped,
         }
-    }
-
-    /// Radiance of the environment at the end of a path.
-    fn environment(&self, path: &Path) -> Vec3 {
-        let radiance = self.scene.lights.environment_radiance(path.head.direction);
-        let v = &path.vertex;
-        let direction = path.head.direction;
-        let (light, chance) = if v.connected {
-            (self.scene.lights.environment_pdf(v.point, v.normal, direction), v.pdf)
-        } else {
-            (0.0, 1.0)
-        };
-        let weight = Techniques::new(&v.aimed, direction, light, chance).weigh_chance();
-        let mut scale = 1.0;
-        if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
-            // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
-            self.count(|c| c.leaks += 1);
-            scale = medium.ior * medium.ior;
-        }
-        path.head.throughput * radiance * (weight * scale)
     }
 
     /// Shades a surface and chooses where the path goes on. False: it ends.
@@ -428,38 +371,5 @@ impl PathTracer<'_> {
             AlphaMode::Mask(cutoff) => self.scene.alpha(surface) >= cutoff,
             AlphaMode::Blend => sampler.rng().f32() < self.scene.alpha(surface),
         }
-    }
-
-    /// Emission of a surface that was hit by chance.
-    fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
-        let v = &path.vertex;
-        let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
-        let (light, chance) = match id.filter(|_| v.connected) {
-            Some(id) => (self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position), v.pdf),
-            None => (0.0, 1.0),
-        };
-        let weight = Techniques::new(&v.aimed, path.head.direction, light, chance).weigh_chance();
-        path.head.throughput * self.scene.emission(surface) * weight
-    }
-}
-
-impl Path {
-    /// Goes straight on through a surface that is not there.
-    fn pass(&mut self, surface: &Surface) {
-        self.leave_surface(surface);
-    }
-
-    fn leave_surface(&mut self, surface: &Surface) {
-        self.head.position =
-            offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
-        self.head.start = Some(Start {
-            instance: surface.instance,
-            triangle: surface.triangle,
-            barycentric: surface.barycentric,
-        });
-    }
-
-    fn cross(&mut self, e: Enclosure, entering: bool) {
-        if entering { self.stack.enter(e) } else { self.stack.leave(e.instance) }
     }
 }

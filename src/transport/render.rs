@@ -5,7 +5,8 @@
 //! every tile it finished.
 
 use super::media::{Enclosure, MediumStack};
-use super::path::{Counters, PathTracer};
+use super::path::PathTracer;
+use super::state::Counters;
 use crate::film::Film;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;

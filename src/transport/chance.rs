@@ -1,0 +1,41 @@
+//! Light that a path meets by chance, weighed against the techniques that look for it.
+
+use super::path::PathTracer;
+use super::state::Path;
+use super::weight::Techniques;
+use crate::scene::Surface;
+use glam::Vec3;
+
+impl PathTracer<'_> {
+    /// Radiance of the environment at the end of a path.
+    pub(super) fn environment(&self, path: &Path) -> Vec3 {
+        let radiance = self.scene.lights.environment_radiance(path.head.direction);
+        let v = &path.vertex;
+        let direction = path.head.direction;
+        let (light, chance) = if v.connected {
+            (self.scene.lights.environment_pdf(v.point, v.normal, direction), v.pdf)
+        } else {
+            (0.0, 1.0)
+        };
+        let weight = Techniques::new(&v.aimed, direction, light, chance).weigh_chance();
+        let mut scale = 1.0;
+        if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
+            // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
+            self.count(|c| c.leaks += 1);
+            scale = medium.ior * medium.ior;
+        }
+        path.head.throughput * radiance * (weight * scale)
+    }
+
+    /// Emission of a surface that was hit by chance.
+    pub(super) fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
+        let v = &path.vertex;
+        let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
+        let (light, chance) = match id.filter(|_| v.connected) {
+            Some(id) => (self.scene.lights.emitter_pdf(id, v.point, v.normal, surface.position), v.pdf),
+            None => (0.0, 1.0),
+        };
+        let weight = Techniques::new(&v.aimed, path.head.direction, light, chance).weigh_chance();
+        path.head.throughput * self.scene.emission(surface) * weight
+    }
+}

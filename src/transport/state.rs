@@ -1,0 +1,65 @@
+//! What a path remembers between events.
+
+use super::media::{Enclosure, MediumStack};
+use crate::geometry::offset_origin;
+use crate::scene::Surface;
+use crate::subsurface::{Aimed, PathHead, Start};
+use glam::Vec3;
+
+/// The last vertex that chose a direction, for weighing what the direction finds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub point: Vec3,
+    pub normal: Option<Vec3>,
+    /// Solid-angle density of the direction.
+    pub pdf: f32,
+    /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
+    pub connected: bool,
+    /// As [`PathHead::aimed`], for light found directly from here.
+    pub aimed: Aimed,
+}
+
+/// Events that tell of trouble, and work done; sums over all threads.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counters {
+    pub rays: u64,
+    pub events: u64,
+    pub truncated: u64,
+    pub leaks: u64,
+    pub invalid: u64,
+}
+
+/// The state of a path between events.
+#[derive(Clone)]
+pub(super) struct Path {
+    pub head: PathHead,
+    pub stack: MediumStack,
+    pub vertex: Vertex,
+    pub events: u32,
+    pub bounces: u32,
+    /// The camera still sees straight through what was met.
+    pub direct_view: bool,
+    /// What a boundary seen by the camera reflects, to be followed after the rest.
+    pub reflection: Option<Box<Path>>,
+}
+
+impl Path {
+    /// Goes straight on through a surface that is not there.
+    pub fn pass(&mut self, surface: &Surface) {
+        self.leave_surface(surface);
+    }
+
+    pub fn leave_surface(&mut self, surface: &Surface) {
+        self.head.position =
+            offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
+        self.head.start = Some(Start {
+            instance: surface.instance,
+            triangle: surface.triangle,
+            barycentric: surface.barycentric,
+        });
+    }
+
+    pub fn cross(&mut self, e: Enclosure, entering: bool) {
+        if entering { self.stack.enter(e) } else { self.stack.leave(e.instance) }
+    }
+}
