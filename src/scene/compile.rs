@@ -113,7 +113,7 @@ impl Scene {
         let emitters = scene.emissive_triangles();
         let bounds = scene.geometry.bounds();
         scene.compile_objects(&holds_medium, &emitters);
-        scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && !o.isolated)
+        scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && o.overlapped)
             || scene.description.materials.iter().any(|m| {
                 m.alpha_mode != AlphaMode::Opaque
                     || m.medium.as_ref().is_some_and(|m| m.ior < LEAST_AIMED_INDEX)
@@ -123,9 +123,12 @@ impl Scene {
         scene.lights = Lights::build(emitters, punctual, environment, (bounds.min, bounds.max));
         scene.beacons = beacons(&scene.lights, punctual);
         let concentrated = scene.lights.environment().effective_solid_angle() < WIDEST_LIGHT;
-        let aimable = !scene.has_see_through && (concentrated || !scene.beacons.is_empty());
-        for object in &mut scene.objects {
-            object.aimable = aimable && object.distance.is_some() && !object.lit_inside;
+        let aimable = concentrated || !scene.beacons.is_empty();
+        for i in 0..scene.objects.len() {
+            let rough = scene.boundary_is_rough(i as u32);
+            let object = &mut scene.objects[i];
+            let clear = rough || !scene.has_see_through;
+            object.aimable = aimable && clear && object.distance.is_some() && !object.lit_inside;
         }
         Ok(scene)
     }

@@ -17,5 +17,5 @@ pub use camera::{Camera, auto_camera};
 pub use compile::{Scene, SceneError};
 pub use description::*;
 pub use material::Shading;
-pub use object::Object;
+pub use object::{Intruder, NEARLY_SMOOTH, Object};
 pub use surface::Surface;

@@ -6,6 +6,9 @@ use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
 
+/// Boundaries of a smaller GGX width count as nearly smooth: beyond them light is rather found by going on than sampled.
+pub const NEARLY_SMOOTH: f32 = 0.02;
+
 /// An instance, as the tracer sees it.
 #[derive(Clone, Debug, Default)]
 pub struct Object {
@@ -15,16 +18,28 @@ pub struct Object {
     pub closed: bool,
     /// Place in the total order by (priority, smaller volume, index); the highest rank around a point fills it.
     pub rank: u32,
-    /// Provably contains nothing else: no foreign triangle reaches into its bounds, so a walk inside needs only its
-    /// own mesh.
+    /// Closed, and provably contains nothing else: no foreign triangle reaches into its bounds.
     pub isolated: bool,
+    /// What reaches into its bounds, and may be inside.
+    pub intruders: Arc<[Intruder]>,
+    /// Whether another medium is among the intruders: then straight lines may lead through its boundary.
+    pub overlapped: bool,
     /// Light sources may be inside, so paths in the medium must be connected to them.
     pub lit_inside: bool,
-    /// Light beyond the boundary can be aimed at from inside: there are beacons, and nothing is in the way that light
-    /// passes without being bent (alpha, other media).
+    /// Light beyond the boundary can be aimed at from inside: it is concentrated, and what is in the way of it cannot be
+    /// passed unbent (alpha, other media), or the boundary is rough, where aiming copes with that.
     pub aimable: bool,
-    /// Lower bounds of the distance to the boundary, in the instance's local space; for closed isolated media.
+    /// Lower bounds of the distance to the boundary, in the instance's local space; for closed media that scatter.
     pub distance: Option<Arc<DistanceBound>>,
+}
+
+/// An instance that reaches into the bounds of another.
+#[derive(Clone, Copy, Debug)]
+pub struct Intruder {
+    /// The instance.
+    pub instance: u32,
+    /// World box around those of its triangles that reach in.
+    pub bounds: Aabb,
 }
 
 impl Scene {
@@ -48,7 +63,9 @@ impl Scene {
             let closed = self.topologies[self.description.instances[instance as usize].mesh]
                 .as_ref()
                 .is_some_and(Topology::is_closed);
-            let isolated = closed && !self.anything_else_within(instance, &bounds);
+            let intruders = self.intruders(instance, &bounds);
+            let overlapped =
+                intruders.iter().any(|i| holds_medium[self.description.instances[i.instance as usize].mesh]);
             let inside = |p: Vec3| bounds.min.cmple(p).all() && bounds.max.cmpge(p).all();
             let lit_inside = emitters.iter().any(|e| {
                 let (min, max) =
@@ -64,7 +81,7 @@ impl Scene {
                 .triangle_materials
                 .iter()
                 .any(|&m| self.medium(m).is_some_and(|m| m.sigma_s.max_element() > 0.0));
-            let distance = (isolated && scatters).then(|| {
+            let distance = (closed && scatters).then(|| {
                 let mesh = self.geometry.mesh_of(instance);
                 let key = std::ptr::from_ref(mesh);
                 match bounds_of_mesh.iter().find(|(k, _)| *k == key) {
@@ -80,12 +97,20 @@ impl Scene {
                 has_medium: true,
                 closed,
                 rank: rank as u32 + 1,
-                isolated,
+                isolated: closed && intruders.is_empty(),
+                intruders: intruders.into(),
+                overlapped,
                 lit_inside,
                 aimable: false,
                 distance,
             };
         }
+    }
+
+    /// Whether all boundaries of media of an instance are rough.
+    pub(super) fn boundary_is_rough(&self, instance: u32) -> bool {
+        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        materials.all(|m| m.medium.is_none() || m.roughness * m.roughness >= NEARLY_SMOOTH)
     }
 
     fn instance_bounds(&self, instance: u32) -> Aabb {
@@ -105,20 +130,22 @@ impl Scene {
         bounds
     }
 
-    /// Whether a triangle of another instance reaches into `bounds`.
-    fn anything_else_within(&self, instance: u32, bounds: &Aabb) -> bool {
-        (0..self.description.instances.len() as u32).any(|other| {
+    /// The other instances of which a triangle reaches into `bounds`.
+    fn intruders(&self, instance: u32, bounds: &Aabb) -> Vec<Intruder> {
+        let others = (0..self.description.instances.len() as u32).filter(|&other| other != instance);
+        let near = others.filter(|&other| {
             let b = self.instance_bounds(other);
-            if other == instance || b.min.cmpgt(bounds.max).any() || b.max.cmplt(bounds.min).any() {
-                return false;
-            }
+            b.min.cmple(bounds.max).all() && b.max.cmpge(bounds.min).all()
+        });
+        near.filter_map(|other| {
             let (mesh, transform) = (self.geometry.mesh_of(other), self.geometry.transform(other));
-            (0..self.mesh(other).triangles.len() as u32).any(|t| {
-                let v = mesh.triangle(t).map(|p| transform.point(p));
-                let (min, max) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
-                min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
-            })
+            let boxes = (0..self.mesh(other).triangles.len() as u32)
+                .map(|t| Aabb::from_points(&mesh.triangle(t).map(|p| transform.point(p))))
+                .filter(|b| b.min.cmple(bounds.max).all() && b.max.cmpge(bounds.min).all());
+            let within = boxes.fold(Aabb::EMPTY, Aabb::union);
+            (!within.is_empty()).then_some(Intruder { instance: other, bounds: within })
         })
+        .collect()
     }
 }
 

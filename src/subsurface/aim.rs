@@ -21,6 +21,7 @@
 use crate::light::beacon::{Beacon, MOST};
 use crate::optics::{fresnel, ggx};
 use crate::sampling::{SmallRng, orthonormal_basis};
+use crate::scene::NEARLY_SMOOTH;
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -30,8 +31,6 @@ const WIDENING: f32 = 1.2;
 const CURVATURE: f32 = 0.06;
 /// Widest lobe.
 const WIDEST: f32 = 0.8;
-/// Boundaries of a smaller GGX width count as nearly smooth.
-const NEARLY_SMOOTH: f32 = 0.02;
 /// Ratios of densities are cut here, so that their squares stay finite.
 const LARGEST_RATIO: f32 = 1e15;
 

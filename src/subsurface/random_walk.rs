@@ -8,8 +8,9 @@
 //!
 //! **Distances.** Free flights and their weights are those of [`super::spectral`].
 //!
-//! **Short queries.** In an object that contains nothing else the walk runs in the object's own space, and a flight
-//! shorter than a lower bound of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query.
+//! **Short queries.** In a closed object the walk runs in the object's own space, and a flight shorter than a lower bound
+//! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. What else reaches into the
+//! object's bounds is only asked for by flights that come near it.
 //!
 //! **Aimed connections.** At an event near the boundary, with probability a (less with depth and for paths of little
 //! weight), a direction ω is also aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that
@@ -19,10 +20,10 @@
 
 use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
-use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
+use crate::geometry::{Aabb, DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
 use crate::optics::HenyeyGreenstein;
 use crate::sampling::{Sampler, SmallRng, fast_math};
-use crate::scene::Scene;
+use crate::scene::{Intruder, Scene};
 use glam::{Vec3, Vec3A};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
@@ -68,7 +69,7 @@ impl Propagator for Walker {
         }
         match (&flight.object.distance, flight.connection) {
             (Some(distance), Connection::None | Connection::Boundary) => {
-                walk_alone(flight, distance, head, sampler, connector)
+                walk_inside(flight, distance, head, sampler, connector)
             }
             _ => walk_in_scene(flight, head, sampler, connector),
         }
@@ -88,8 +89,9 @@ pub(super) fn survival(largest: f32, rng: &mut SmallRng) -> f32 {
     }
 }
 
-/// The walk in an object that contains nothing else, in the object's own space.
-fn walk_alone(
+/// The walk in a closed object that light can leave only through its boundary, in the object's own space. What else is
+/// inside is asked for where it can be.
+fn walk_inside(
     flight: &Flight<'_>,
     distance: &DistanceBound,
     head: &mut PathHead,
@@ -115,9 +117,12 @@ fn walk_alone(
         }
         _ => transform.inverse_point(head.position),
     };
+    // Where the walk sets out from the surface of something else, `p` has lost what keeps it off that surface.
+    let mut outset = Some(head.position);
     let mut beta = Vec3A::from(head.throughput);
     let bounds = mesh.bounds();
     let enough = AIMING_DEPTH / least_sigma_t;
+    let intruders = Intruders::new(flight, transform, bounds.extent().length());
     // How far the boundary is at least.
     let mut clear = 0.0;
     let mut next_flight = draw_flight(sampler.rng());
@@ -130,10 +135,12 @@ fn walk_alone(
             // What comes next is drawn before the branches, which are hard to predict: it need not be done again.
             next_flight = draw_flight(sampler.rng());
             let turned = redirect(c.phase, d, sampler.rng());
+            let intruder = intruders.intersect(p, outset.take(), d, t);
+            let t_max = intruder.as_ref().map_or(t, |hit| hit.t);
             if t >= clear {
                 clear = distance.bound(mesh, p);
                 if t >= clear {
-                    if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max: t }) {
+                    if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if aiming.rate > 0.0 && aiming.ready(p, clear, connector) {
                             let beta = c.weigh(beta, collisions, length);
                             let density = phase_pdf * c.arrival_probability(beta, hit.t);
@@ -144,10 +151,15 @@ fn walk_alone(
                         break 'walk Arrival::Surface(placed(&hit, instance, transform.scale));
                     }
                     // Rounding next to a sharp edge may have let the walk out.
-                    if t == f32::INFINITY || !bounds.contains(p) {
+                    if intruder.is_none() && (t == f32::INFINITY || !bounds.contains(p)) {
                         break 'walk Arrival::Escaped;
                     }
                 }
+            }
+            if let Some(hit) = intruder {
+                beta = c.weigh(beta, collisions, length + hit.t);
+                p += d * hit.t;
+                break 'walk Arrival::Surface(Hit { t: hit.t * transform.scale, ..hit });
             }
             p += d * t;
             length += t;
@@ -177,7 +189,9 @@ fn walk_alone(
             {
                 let local = transform.inverse_direction(direction);
                 let ray = Ray { origin: p, direction: local, t_max: f32::INFINITY };
-                if let Some(hit) = mesh.intersect(&ray) {
+                if let Some(hit) = mesh.intersect(&ray)
+                    && intruders.intersect(p, None, local, hit.t).is_none()
+                {
                     let beta = c.weigh(beta, collisions, length);
                     let phase = c.phase.eval_directions(incoming, local);
                     let density = phase * c.arrival_probability(beta, hit.t);
@@ -232,6 +246,48 @@ impl Aiming<'_> {
         });
         self.state = Some(state);
         state
+    }
+}
+
+/// What else may be inside of the object of a walk.
+struct Intruders<'a> {
+    scene: &'a Scene,
+    all: &'a [Intruder],
+    transform: &'a Similarity,
+    /// Length beyond which a flight has left the object, in its own space.
+    longest: f32,
+}
+
+impl<'a> Intruders<'a> {
+    fn new(flight: &Flight<'a>, transform: &'a Similarity, longest: f32) -> Self {
+        Self { scene: flight.scene, all: &flight.object.intruders, transform, longest }
+    }
+
+    /// The first of them that a flight of length `t` meets; lengths are in the object's own space. `world` is `p` in world
+    /// space, where that is known better.
+    #[inline]
+    fn intersect(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
+        if self.all.is_empty() { None } else { self.intersect_all(p, world, d, t) }
+    }
+
+    fn intersect_all(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
+        let origin = world.unwrap_or_else(|| self.transform.point(p));
+        let direction = self.transform.direction(d);
+        let mut t_max = t.min(self.longest) * self.transform.scale;
+        let way = Aabb::from_points(&[origin, origin + direction * t_max]);
+        let mut first = None;
+        for other in self.all {
+            let apart = other.bounds.min.cmpgt(way.max).any() || other.bounds.max.cmplt(way.min).any();
+            if apart {
+                continue;
+            }
+            let ray = Ray { origin, direction, t_max };
+            if let Some(hit) = self.scene.geometry.intersect_instance(other.instance, &ray) {
+                t_max = hit.t;
+                first = Some(hit);
+            }
+        }
+        first.map(|hit| Hit { t: self.transform.inverse_length(hit.t), ..hit })
     }
 }
 

@@ -218,7 +218,7 @@ impl PathTracer<'_> {
         }
         let lit_inside = enclosure.is_none_or(|e| {
             let object = &self.scene.objects[e.instance as usize];
-            object.lit_inside || !object.isolated
+            object.lit_inside || object.overlapped
         });
         let shaded = Shaded {
             surface: &surface,
