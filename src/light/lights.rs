@@ -47,6 +47,16 @@ pub struct LightSample {
     pub emitter: Option<EmitterId>,
 }
 
+/// Where lights are weighed against each other, when one is chosen. Usually the lit point itself; two points that use the
+/// same one choose the same light with the same random number.
+#[derive(Clone, Copy, Debug)]
+pub struct Anchor {
+    /// World position.
+    pub point: Vec3,
+    /// Only light from this side counts; `None`: all light.
+    pub normal: Option<Vec3>,
+}
+
 /// The lights of a scene.
 #[derive(Clone, Debug)]
 pub struct Lights {
@@ -214,7 +224,14 @@ impl Lights {
     /// sample of value zero).
     #[inline]
     pub fn sample(&self, point: Vec3, normal: Option<Vec3>, u_select: f32, u: Vec2) -> Option<LightSample> {
-        let choice = self.choice(point, normal);
+        self.sample_at(point, &Anchor { point, normal }, u_select, u)
+    }
+
+    /// As [`Self::sample`], choosing the light as seen from elsewhere.
+    #[inline]
+    pub fn sample_at(&self, point: Vec3, anchor: &Anchor, u_select: f32, u: Vec2) -> Option<LightSample> {
+        let normal = anchor.normal;
+        let choice = self.choice(anchor);
         let (group, group_probability, rest) = choice.groups.sample(u_select)?;
         match group {
             ENVIRONMENT => {
@@ -270,21 +287,33 @@ impl Lights {
     /// The pdf that [`Self::sample`] at the same point and normal has for the environment in this direction.
     #[inline]
     pub fn environment_pdf(&self, point: Vec3, normal: Option<Vec3>, direction: Vec3) -> f32 {
-        let pdf = self.environment.pdf(normal, direction);
-        if pdf > 0.0 { pdf * self.choice(point, normal).groups.probability(ENVIRONMENT) } else { 0.0 }
+        self.environment_pdf_at(&Anchor { point, normal }, direction)
+    }
+
+    /// The pdf that [`Self::sample_at`] has for the environment in this direction.
+    #[inline]
+    pub fn environment_pdf_at(&self, anchor: &Anchor, direction: Vec3) -> f32 {
+        let pdf = self.environment.pdf(anchor.normal, direction);
+        if pdf > 0.0 { pdf * self.choice(anchor).groups.probability(ENVIRONMENT) } else { 0.0 }
     }
 
     /// The pdf that [`Self::sample`] at the same point and normal has for the direction to `position`, a point of the
     /// emitter.
     #[inline]
     pub fn emitter_pdf(&self, emitter: EmitterId, point: Vec3, normal: Option<Vec3>, position: Vec3) -> f32 {
+        self.emitter_pdf_at(emitter, point, &Anchor { point, normal }, position)
+    }
+
+    /// The pdf that [`Self::sample_at`] has for the direction to `position`, a point of the emitter.
+    #[inline]
+    pub fn emitter_pdf_at(&self, emitter: EmitterId, point: Vec3, anchor: &Anchor, position: Vec3) -> f32 {
         let i = emitter.0 as usize;
         let Some(light) = self.emitters.get(i) else { return 0.0 };
         let pdf = light.pdf(point, position);
         if pdf <= 0.0 {
             return 0.0;
         }
-        let choice = self.choice(point, normal);
+        let choice = self.choice(anchor);
         let probability = match (&choice.emitters, &self.emitter_table) {
             (Some(mixture), _) => mixture.probability(i),
             (None, table) => table.as_ref().map_or(0.0, |t| t.pdf(i)),
@@ -293,7 +322,8 @@ impl Lights {
     }
 
     #[inline]
-    fn choice(&self, point: Vec3, normal: Option<Vec3>) -> Choice {
+    fn choice(&self, anchor: &Anchor) -> Choice {
+        let Anchor { point, normal } = *anchor;
         let facing = |direction: Vec3| normal.map_or(1.0, |n| n.dot(direction).max(0.0));
         let punctual = self.punctual_table.is_none().then(|| {
             Mixture::new(

@@ -10,4 +10,4 @@ pub mod studio;
 
 pub use emitter::{EmissionField, EmissiveRadiance, EmissiveTriangle, EmitterId};
 pub use environment::Environment;
-pub use lights::{LightSample, Lights};
+pub use lights::{Anchor, LightSample, Lights};

@@ -125,7 +125,7 @@ impl Scene {
         let concentrated = scene.lights.environment().effective_solid_angle() < WIDEST_LIGHT;
         let aimable = concentrated || !scene.beacons.is_empty();
         for i in 0..scene.objects.len() {
-            let rough = scene.boundary_is_rough(i as u32);
+            let rough = scene.boundary_is_rough(i as u32) && scene.is_covered(i as u32);
             let object = &mut scene.objects[i];
             let clear = rough || !scene.has_see_through;
             object.aimable = aimable && clear && object.distance.is_some() && !object.lit_inside;

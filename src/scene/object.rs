@@ -1,6 +1,6 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
-use super::{MeshDescription, PunctualKind, Scene};
+use super::{AlphaMode, MeshDescription, PunctualKind, Scene};
 use crate::geometry::{Aabb, DistanceBound, MeshGeometry, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
@@ -105,6 +105,12 @@ impl Scene {
                 distance,
             };
         }
+    }
+
+    /// Whether all triangles of an instance are opaque to straight lines: no alpha.
+    pub(super) fn is_covered(&self, instance: u32) -> bool {
+        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        materials.all(|m| m.alpha_mode == AlphaMode::Opaque)
     }
 
     /// Whether all boundaries of media of an instance are rough.

@@ -18,6 +18,7 @@
 //!   on. The density must be that of ω alone, so ω_o is one of a handful of beacons ([`crate::light::beacon`]), and
 //!   q(ω) = Σ_k w_k q(ω | ω_k), with D_k wide enough to cover the size of the light.
 
+use crate::light::Anchor;
 use crate::light::beacon::{Beacon, MOST};
 use crate::optics::{fresnel, ggx};
 use crate::sampling::{SmallRng, orthonormal_basis};
@@ -29,6 +30,9 @@ use std::f32::consts::TAU;
 const WIDENING: f32 = 1.2;
 /// Width that covers the bending of the surface between the nearest point and where the light comes out.
 const CURVATURE: f32 = 0.06;
+/// Light from farther below the horizon (sine of elevation) is not aimed at. That from just below is: the horizon of the
+/// point where the direction comes out is another one.
+const LOWEST: f32 = -0.5;
 /// Widest lobe.
 const WIDEST: f32 = 0.8;
 /// Ratios of densities are cut here, so that their squares stay finite.
@@ -51,8 +55,9 @@ pub struct Aimed {
     fixed: f32,
     /// Times q(ω | ω_o): beyond the boundary the light ω_o is sampled.
     scale: f32,
-    /// ω.
+    /// ω, and the point it starts from.
     direction: Vec3,
+    point: Vec3,
     normal: Vec3,
     alpha: f32,
     eta: f32,
@@ -71,10 +76,19 @@ impl Aimed {
         self.scale > 0.0
     }
 
+    /// From where aimed directions have chosen their light, if they did.
+    #[inline]
+    pub fn anchor(&self) -> Option<Anchor> {
+        self.samples_light().then_some(Anchor { point: self.point, normal: None })
+    }
+
     /// The ratio, for light from the unit direction `outside`.
     #[inline]
     pub fn ratio(&self, outside: Vec3) -> f32 {
         if self.scale > 0.0 {
+            if outside.dot(self.normal) <= LOWEST {
+                return 0.0;
+            }
             let cos = |h: Vec3| h.dot(self.normal);
             let density = density(self.direction, outside, self.eta, self.alpha, cos);
             (self.scale * density).min(LARGEST_RATIO)
@@ -115,6 +129,7 @@ struct Lobe {
 /// Aimed directions at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Aim {
+    point: Vec3,
     frame: Mat3,
     eta: f32,
     /// GGX width of the boundary.
@@ -127,15 +142,16 @@ pub struct Aim {
 impl Default for Aim {
     fn default() -> Self {
         let (frame, lobes) = (Mat3::IDENTITY, [Lobe::default(); MOST]);
-        Self { frame, eta: 1.0, alpha: 0.0, lobes, len: 0, numbers: None }
+        Self { point: Vec3::ZERO, frame, eta: 1.0, alpha: 0.0, lobes, len: 0, numbers: None }
     }
 }
 
 impl Aim {
-    /// A boundary with the outward unit normal `normal` near by; `alpha` is its GGX width, `eta` the index inside over
+    /// Aims from `point` through a boundary with the outward unit normal `normal` near by; `alpha` is its GGX width, `eta` the index inside over
     /// outside (> 1).
-    pub fn set_boundary(&mut self, normal: Vec3, eta: f32, alpha: f32) {
+    pub fn set_boundary(&mut self, point: Vec3, normal: Vec3, eta: f32, alpha: f32) {
         let (x, y) = orthonormal_basis(normal);
+        self.point = point;
         self.frame = Mat3::from_cols(x, y, normal);
         self.eta = eta;
         self.alpha = alpha;
@@ -149,10 +165,10 @@ impl Aim {
         self.alpha >= NEARLY_SMOOTH
     }
 
-    /// The outward normal.
+    /// From where the light is chosen.
     #[inline]
-    pub fn normal(&self) -> Vec3 {
-        self.frame.z_axis
+    pub fn anchor(&self) -> Anchor {
+        Anchor { point: self.point, normal: None }
     }
 
     /// The light sample that was aimed at.
@@ -173,7 +189,7 @@ impl Aim {
         self.numbers = Some(numbers);
         self.lobes[0] = Lobe { outside, alpha: self.width().min(WIDEST), share: 1.0, cumulative: 1.0 };
         self.len = 1;
-        outside.z > 0.0
+        outside.z > LOWEST
     }
 
     /// Aims at beacons from `point`. False: there is nothing to aim at.
@@ -237,8 +253,9 @@ impl Aim {
     pub fn aimed(&self, direction: Vec3, scale: f32) -> Aimed {
         let none = Aimed::default();
         if self.samples_light() {
-            let (normal, alpha, eta) = (self.normal(), self.width().min(WIDEST), self.eta);
-            Aimed { scale: scale.min(LARGEST_RATIO), direction, normal, alpha, eta, ..none }
+            let (point, normal) = (self.point, self.frame.z_axis);
+            let (alpha, eta) = (self.width().min(WIDEST), self.eta);
+            Aimed { scale: scale.min(LARGEST_RATIO), direction, point, normal, alpha, eta, ..none }
         } else {
             Aimed { fixed: (scale * self.pdf(direction)).min(LARGEST_RATIO), ..none }
         }
@@ -264,7 +281,7 @@ mod tests {
         let environment = EnvironmentDescription::default();
         let lights = Lights::build(Vec::new(), &punctual, &environment, (Vec3::NEG_ONE, Vec3::ONE));
         let mut aim = Aim::default();
-        aim.set_boundary(Vec3::new(0.1, 0.2, 0.97).normalize(), 1.4, 0.3);
+        aim.set_boundary(Vec3::ZERO, Vec3::new(0.1, 0.2, 0.97).normalize(), 1.4, 0.3);
         assert!(aim.at_beacons(&beacons(&lights, &punctual), Vec3::ZERO));
         aim
     }

@@ -4,6 +4,7 @@ use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::weight::Techniques;
 use crate::geometry::{Ray, offset_origin};
+use crate::light::Anchor;
 use crate::optics::Bsdf;
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::sampling::{Sampler, orthonormal_basis};
@@ -27,8 +28,8 @@ pub(super) struct Shaded<'a> {
     pub front: bool,
     /// The object whose boundary this is, if it bounds a medium.
     pub enclosure: Option<Enclosure>,
-    /// Normal for choosing lights, if only one side can be lit.
-    pub light_normal: Option<Vec3>,
+    /// For choosing lights.
+    pub anchor: Anchor,
     /// Whether light can come from the inside of the boundary.
     pub lit_inside: bool,
     /// How the vertex was reached, and how much likelier it was the other way.
@@ -47,6 +48,9 @@ pub(super) struct Reached {
 }
 
 impl Shaded<'_> {
+    /// For fields that [`Shaded::orient`] sets.
+    pub const NOWHERE: Anchor = Anchor { point: Vec3::ZERO, normal: None };
+
     /// Sets the frame, the outgoing direction and which lights count. Where the shading normal would put the viewer on the
     /// other side of the surface, the geometric one is used.
     pub fn orient(&mut self, wo: Vec3, normal: Vec3, see_through: bool) {
@@ -58,11 +62,14 @@ impl Shaded<'_> {
         let (x, y) = orthonormal_basis(z);
         self.frame = Mat3::from_cols(x, y, z);
         self.wo = self.frame.transpose() * wo;
-        self.light_normal = match (see_through, self.enclosure) {
+        let normal = match (see_through, self.enclosure) {
             (false, _) => Some(z),
             (true, Some(_)) if !self.lit_inside => Some(z),
             _ => None,
         };
+        let here = Anchor { point: self.surface.position, normal };
+        // An aimed direction has chosen its light before it came here, and must be able to choose it again.
+        self.anchor = self.reached.aimed.anchor().unwrap_or(here);
     }
 }
 
@@ -80,7 +87,7 @@ impl PathTracer<'_> {
             Some(n) => (n.select, n.point),
             None => (sampler.next_1d(), sampler.next_2d()),
         };
-        let Some(light) = self.scene.lights.sample(s.surface.position, s.light_normal, u_select, u) else {
+        let Some(light) = self.scene.lights.sample_at(s.surface.position, &s.anchor, u_select, u) else {
             return Vec3::ZERO;
         };
         let wi = s.frame.transpose() * light.direction;

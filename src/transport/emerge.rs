@@ -2,11 +2,12 @@
 //! boundary of the object where directions can be aimed.
 
 use super::direct::{Reached, Shaded};
-use super::media::{Enclosure, MediumStack};
+use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
+use crate::light::Anchor;
 use crate::optics::{Bsdf, HenyeyGreenstein};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{Shading, Surface};
@@ -51,7 +52,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
         let ray = Ray { origin, direction, t_max: f32::INFINITY };
         let (light, density) = match scene.geometry.intersect(&ray) {
             None => {
-                let density = scene.lights.environment_pdf(from, shaded.light_normal, direction);
+                let density = scene.lights.environment_pdf_at(&shaded.anchor, direction);
                 (scene.lights.environment_radiance(direction), density)
             }
             Some(hit) => {
@@ -62,7 +63,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                     return Vec3::ZERO;
                 }
                 let id = scene.lights.emitter_id(hit.instance, hit.triangle);
-                let pdf = |id| scene.lights.emitter_pdf(id, from, shaded.light_normal, surface.position);
+                let pdf = |id| scene.lights.emitter_pdf_at(id, from, &shaded.anchor, surface.position);
                 (scene.emission(&surface), id.map_or(0.0, pdf))
             }
         };
@@ -97,7 +98,13 @@ impl Connector for FlightLights<'_, '_> {
     }
 
     fn redirected(&mut self, point: Vec3, pdf: f32) {
-        self.vertex = Some(Vertex { point, normal: None, pdf, connected: true, aimed: Aimed::default() });
+        self.vertex = Some(Vertex {
+            point,
+            anchor: Anchor { point, normal: None },
+            pdf,
+            connected: true,
+            aimed: Aimed::default(),
+        });
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -105,7 +112,7 @@ impl Connector for FlightLights<'_, '_> {
         let material = scene.material(self.enclosure.material);
         let Some(medium) = &material.medium else { return false };
         let alpha = material.roughness * material.roughness;
-        aim.set_boundary(normal, medium.ior, alpha);
+        aim.set_boundary(point, normal, medium.ior, alpha);
         aim.samples_light() || aim.at_beacons(&scene.beacons, point)
     }
 
@@ -113,7 +120,7 @@ impl Connector for FlightLights<'_, '_> {
         if aim.samples_light() {
             let numbers = LightNumbers { select: sampler.next_1d(), point: sampler.next_2d() };
             let lights = &self.tracer.scene.lights;
-            let light = lights.sample(point, Some(aim.normal()), numbers.select, numbers.point)?;
+            let light = lights.sample_at(point, &aim.anchor(), numbers.select, numbers.point)?;
             if !aim.towards(light.direction, numbers) {
                 return None;
             }
@@ -136,7 +143,10 @@ impl Connector for FlightLights<'_, '_> {
         if incoming.dot(surface.geometric_normal) <= 0.0 {
             return;
         }
-        let (_, eta) = tracer.interface(&self.stack, enclosure, false);
+        let (crossing, eta) = tracer.interface(&self.stack, enclosure, false);
+        if crossing == Crossing::Hidden {
+            return;
+        }
         let shading = Shading::new(tracer.scene, &surface);
         let bsdf = shading.bsdf(eta, true, tracer.options.microfacet);
         if !matches!(bsdf, Bsdf::Boundary(_)) {
@@ -149,7 +159,7 @@ impl Connector for FlightLights<'_, '_> {
             wo: Vec3::Z,
             front: false,
             enclosure: Some(enclosure),
-            light_normal: None,
+            anchor: Shaded::NOWHERE,
             lit_inside: false,
             reached: Reached { aimed, by_aiming: true },
             matched: false,

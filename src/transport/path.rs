@@ -54,8 +54,13 @@ impl PathTracer<'_> {
     }
 
     fn trace(&self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
-        let start =
-            Vertex { point: ray.origin, normal: None, pdf: 1.0, connected: false, aimed: Aimed::default() };
+        let start = Vertex {
+            point: ray.origin,
+            anchor: Shaded::NOWHERE,
+            pdf: 1.0,
+            connected: false,
+            aimed: Aimed::default(),
+        };
         let mut path = Path {
             head: PathHead {
                 position: ray.origin,
@@ -130,7 +135,7 @@ impl PathTracer<'_> {
         } else if path.head.events > 0 {
             path.vertex = Vertex {
                 point: path.head.position,
-                normal: None,
+                anchor: Shaded::NOWHERE,
                 pdf: 1.0,
                 connected: false,
                 aimed: Aimed::default(),
@@ -227,7 +232,7 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front,
             enclosure,
-            light_normal: None,
+            anchor: Shaded::NOWHERE,
             lit_inside,
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
@@ -257,7 +262,7 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front: true,
             enclosure: None,
-            light_normal: Some(surface.normal),
+            anchor: Shaded::NOWHERE,
             lit_inside: false,
             reached: Reached::default(),
             matched: false,
@@ -337,7 +342,7 @@ impl PathTracer<'_> {
         if !(shaded.matched && sample.delta && sample.transmitted) {
             path.vertex = Vertex {
                 point: shaded.surface.position,
-                normal: shaded.light_normal,
+                anchor: shaded.anchor,
                 pdf: sample.pdf,
                 connected: weighed,
                 aimed,

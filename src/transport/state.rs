@@ -2,6 +2,7 @@
 
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::offset_origin;
+use crate::light::Anchor;
 use crate::scene::Surface;
 use crate::subsurface::{Aimed, PathHead, Start};
 use glam::Vec3;
@@ -10,7 +11,8 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub point: Vec3,
-    pub normal: Option<Vec3>,
+    /// For the probability of choosing lights.
+    pub anchor: Anchor,
     /// Solid-angle density of the direction.
     pub pdf: f32,
     /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).

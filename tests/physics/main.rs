@@ -1,6 +1,7 @@
 //! Physics of the whole path tracer, measured by rendering triangle meshes: numbers nobody here rendered, and
 //! invariants. Every statistical statement holds with |z| < 4 for the fixed seed.
 
+mod aiming;
 mod determinism;
 mod furnace;
 mod lab;

@@ -1,0 +1,95 @@
+//! Aiming at light through a boundary changes the noise and nothing else: pictures with and without it have one mean.
+
+use crate::lab::*;
+use glam::{Affine3A, Vec3, Vec4};
+use nephrite::scene::*;
+use nephrite::transport::RenderOptions;
+
+/// A few mean free paths, so that walks are short.
+const RADIUS: f32 = 0.004;
+
+/// A sphere of wax on a matte ground, which it touches.
+fn wax(roughness: f32, environment: EnvironmentDescription) -> SceneDescription {
+    let material =
+        subsurface(Vec3::new(1.0, 4.0, 16.0), Vec3::new(800.0, 600.0, 400.0), 0.2, 1.45, roughness);
+    let mut scene = single(icosphere(RADIUS, 3, true), material, environment);
+    let ground = MaterialDescription {
+        base_color: Vec4::new(0.5, 0.4, 0.3, 1.0),
+        metallic: 0.0,
+        roughness: 1.0,
+        ..Default::default()
+    };
+    add_panel(&mut scene, Vec3::new(0.0, -RADIUS, 0.0), Vec3::Y, 0.1, ground);
+    scene
+}
+
+/// A square of the given half width that faces `normal`.
+fn add_panel(
+    scene: &mut SceneDescription,
+    center: Vec3,
+    normal: Vec3,
+    half: f32,
+    material: MaterialDescription,
+) {
+    let (x, y) = normal.any_orthonormal_pair();
+    let corner = |a: f32, b: f32| center + half * (a * x + b * y);
+    scene.materials.push(material);
+    scene.meshes.push(MeshDescription {
+        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![scene.materials.len() as u32 - 1; 2],
+        ..Default::default()
+    });
+    scene.instances.push(place(scene.meshes.len() - 1, Affine3A::IDENTITY));
+}
+
+fn add_lamp(scene: &mut SceneDescription, center: Vec3, half: f32, radiance: Vec3) {
+    let material = MaterialDescription { emission: radiance, ..Default::default() };
+    add_panel(scene, center, -center.normalize(), half, material);
+}
+
+fn compare(scene: SceneDescription, spp: u32, what: &str) {
+    let scene = Scene::build(scene).expect("builds");
+    let aimed = RenderOptions {
+        aim: true,
+        seed: seed_of(what),
+        ..options(ortho(Vec3::new(-0.3, -0.4, -0.9), 0.1, 0.9 * RADIUS), 24, spp)
+    };
+    let plain = RenderOptions { aim: false, seed: aimed.seed ^ 0xabcd, spp: 2 * spp, ..aimed.clone() };
+    let aimed = measure_pictures(&scene, &aimed, 8);
+    let plain = measure_pictures(&scene, &plain, 8);
+    for (part, (a, b)) in aimed.iter().zip(&plain).enumerate() {
+        a.assert_same(b, &format!("{what}, part {part}"));
+    }
+}
+
+#[test]
+fn lamps_around_and_a_patch_of_sky_have_their_light() {
+    let pixels = (0..32 * 16)
+        .map(|i| if (20..23).contains(&(i % 32)) && (3..6).contains(&(i / 32)) { 30.0 } else { 0.3 })
+        .map(Vec3::splat)
+        .collect();
+    let sky = EnvironmentDescription::Map { width: 32, height: 16, pixels, scale: Vec3::ONE, rotation: 0.0 };
+    // Light from all sides, some of it grazing and below the horizon of most points.
+    for (roughness, what) in [(0.35, "rough"), (0.1, "nearly smooth"), (0.0, "smooth")] {
+        let mut scene = wax(roughness, sky.clone());
+        add_lamp(&mut scene, Vec3::new(0.05, 0.04, 0.02), 0.01, Vec3::new(40.0, 30.0, 20.0));
+        add_lamp(&mut scene, Vec3::new(-0.04, 0.0, -0.03), 0.006, Vec3::new(20.0, 40.0, 60.0));
+        add_lamp(&mut scene, Vec3::new(0.0, 0.06, -0.06), 0.02, Vec3::splat(10.0));
+        compare(scene, 64, what);
+    }
+}
+
+#[test]
+fn a_point_light_has_its_light() {
+    let mut scene = wax(0.5, EnvironmentDescription::default());
+    scene.lights = vec![PunctualLight {
+        name: String::new(),
+        intensity: Vec3::splat(0.01),
+        position: Vec3::new(0.03, 0.03, -0.02),
+        direction: Vec3::NEG_Y,
+        range: None,
+        kind: PunctualKind::Point,
+    }];
+    compare(scene, 256, "point light");
+}
