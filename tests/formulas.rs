@@ -320,7 +320,7 @@ fn single_scattering_along_a_view_ray() {
     });
 }
 
-/// Quadratures with a fixed number of nodes: about 1e-9.
+/// Quadratures with a fixed number of nodes: multiple scattering within 1e-6, single scattering within 1e-8.
 #[test]
 fn photon_beam_diffusion() {
     each_case("photon_beam_diffusion", |i, out, d| {
@@ -328,9 +328,9 @@ fn photon_beam_diffusion() {
         let exact = PhotonBeam::new(&c);
         let fit = PhotonBeam::with_moments(&c, Moments::fit_rounded(c.eta));
         let t = c.reduced_extinction();
-        d.compare("ms exact moments", exact.eval(r), &out["ms_exact_moments"], 1e-8);
-        d.compare("ms fit", fit.eval(r), &out["ms_fit"], 1e-8);
-        d.compare("ms without kappa", fit.uncorrected().eval(r), &out["ms_no_kappa_fit"], 1e-8);
+        d.compare("ms exact moments", exact.eval(r), &out["ms_exact_moments"], 1e-6);
+        d.compare("ms fit", fit.eval(r), &out["ms_fit"], 1e-6);
+        d.compare("ms without kappa", fit.uncorrected().eval(r), &out["ms_no_kappa_fit"], 1e-6);
         d.compare("ss", exact.single(r), &out["ss"], 1e-8);
         // The 100-point rule: the same integrands at stratified exponential depths.
         let depths = || (0..100).map(|k| -(1.0 - (f64::from(k) + 0.5) / 100.0).ln());
@@ -508,18 +508,18 @@ struct Reference {
 
 /// The models of the accuracy table.
 fn model(name: &str, c: &Coefficients, albedo: f64) -> Option<Box<dyn RadialProfile>> {
-    let single = SingleScattering::new(c);
+    let single = || SingleScattering::new(c);
     let beam = PhotonBeam::new(c);
     let normalized = |l, fit| Box::new(NormalizedDiffusion::new(albedo, l, fit));
     Some(match name {
-        "single_scatter_exact_quadrature" => Box::new(single),
+        "single_scatter_exact_quadrature" => Box::new(single()),
         "dipole_classical_ms" => Box::new(ClassicalDipole::new(c)),
-        "dipole_classical_plus_ss" => Box::new((ClassicalDipole::new(c), single)),
+        "dipole_classical_plus_ss" => Box::new((ClassicalDipole::new(c), single())),
         "dipole_better_ms" => Box::new(BetterDipole::new(c)),
-        "dipole_better_plus_ss" => Box::new((BetterDipole::new(c), single)),
+        "dipole_better_plus_ss" => Box::new((BetterDipole::new(c), single())),
         "pbd_ms" => Box::new(beam),
-        "pbd_ms_plus_ss" => Box::new((beam, single)),
-        "pbd_nokappa_ms_plus_ss" => Box::new((beam.uncorrected(), single)),
+        "pbd_ms_plus_ss" => Box::new((beam, single())),
+        "pbd_nokappa_ms_plus_ss" => Box::new((beam.uncorrected(), single())),
         "directional_dipole" => Box::new(DirectionalDipole::new(c)),
         "burley_searchlight_mfp" => normalized(c.transport_mean_free_path(), ScaleFit::SearchlightMfp),
         "burley_diffuse_mfp" => normalized(c.transport_mean_free_path(), ScaleFit::DiffuseMfp),
@@ -530,10 +530,10 @@ fn model(name: &str, c: &Coefficients, albedo: f64) -> Option<Box<dyn RadialProf
 
 /// Against the Monte Carlo profile of a normally incident pencil beam each model has the error it is known to have.
 /// The reference is the same data that the expected errors were computed from, so its noise is common to both and the
-/// tolerance is that of quadrature: 1e-4 of the reference total, where the errors are 0.0005 to 4.
+/// tolerance is that of quadrature: 1e-5 of the reference total, where the errors of bins are 0.0002 to 4.
 #[test]
 fn profiles_have_their_known_errors_against_monte_carlo() {
-    const TOLERANCE: f64 = 1e-4;
+    const TOLERANCE: f64 = 1e-5;
     let data: Value =
         serde_json::from_str(include_str!("oracles/searchlight.json")).expect("searchlight.json");
     let numbers = |v: &Value| -> Vec<f64> {

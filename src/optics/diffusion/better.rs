@@ -72,9 +72,8 @@ impl RadialProfile for BetterDipole {
         if self.reduced_albedo <= 0.0 {
             return 0.0;
         }
-        let dipole = Dipole::new(self.sigma_tr, self.z_r, self.z_v, r);
-        let (real, image) = dipole.fluxes();
-        let exitance = self.moments.c_phi() / self.d * dipole.fluence() + self.moments.c_e() * (real - image);
+        let Dipole { fluence, real, image, .. } = Dipole::new(self.sigma_tr, self.z_r, self.z_v, r);
+        let exitance = self.moments.c_phi() / self.d * fluence + self.moments.c_e() * (real - image);
         self.reduced_albedo * self.reduced_albedo / (4.0 * PI) * exitance
     }
 

@@ -1,5 +1,5 @@
 //! Chandrasekhar's H function: the exact reflection of a half space that scatters isotropically behind an index-matched
-//! boundary (Chandrasekhar, "Radiative Transfer", 1960, §V).
+//! boundary (Chandrasekhar, "Radiative Transfer", 1960).
 //!
 //! H(µ) = exp(−µ/π ∫₀^{π/2} ln(1 − α t cot t)/(cos²t + µ² sin²t) dt) for the single-scattering albedo α in \[0, 1\].
 

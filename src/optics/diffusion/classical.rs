@@ -68,7 +68,7 @@ impl RadialProfile for ClassicalDipole {
         if self.reduced_albedo <= 0.0 {
             return 0.0;
         }
-        let (real, image) = Dipole::new(self.sigma_tr, self.z_r, self.z_v, r).fluxes();
+        let Dipole { real, image, .. } = Dipole::new(self.sigma_tr, self.z_r, self.z_v, r);
         self.reduced_albedo / (4.0 * PI) * (real + image)
     }
 

@@ -9,13 +9,13 @@
 //! | --- | --- | --- |
 //! | `x` | x = x_o − x_i | m |
 //! | `w12` | ω₁₂ | refracted direction of propagation of the incident light |
-//! | `n_star` | n_i* | modified normal: that of the plane through both points, closest to n_i (§4.1) |
+//! | `n_star` | n_i* | modified normal: that of the plane through both points, closest to n_i |
 //! | `d_e` | d_e = 2.131 D/√α′ | distance of the extrapolated boundary, m |
 //! | `d_r`, `d_v` | d_r, d_v | corrected distance to the real source, distance to the virtual one, m |
 //! | `mu0` | µ₀ = −n_o·ω₁₂ | whether the exit is lit from the front |
 //!
 //! S′_d(x, ω, d) = 1/(16π² C_φ(1/η)) e^{−σtr d}/d³ \[ C_φ(d²/D + 3(1 + σtr d) x·ω) − C_E(3D(1 + σtr d) ω·n_o −
-//! ((1 + σtr d) + 3D(3(1 + σtr d) + (σtr d)²)/d² x·ω) x·n_o) \] (eq. 17), and
+//! ((1 + σtr d) + 3D(3(1 + σtr d) + (σtr d)²)/d² x·ω) x·n_o) \], and
 //! S_d = S′_d(x, ω₁₂, d_r) − S′_d(x_o − x_v, ω_v, d_v), clamped at 0, with x_v = x_i + 2A d_e n_i* and ω_v the mirrored
 //! direction. Only d is corrected near the source, not the vector x: d_r² = r² + Dµ₀(Dµ₀ − 2d_e cos β) where µ₀ > 0 and
 //! r² + 1/(3σt)², with the unreduced σt, elsewhere.
@@ -218,7 +218,7 @@ impl RadialProfile for DirectionalDipole {
         4.0 * PI * self.c_phi_outside * self.s_d(&entry, &exit)
     }
 
-    /// Quadrature over the plane, within 1e-8.
+    /// Quadrature over the plane, within 1e-6.
     fn total(&self) -> f64 {
         if self.scatters { super::profile::integrate(self, 3.0 * self.d) } else { 0.0 }
     }

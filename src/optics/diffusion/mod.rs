@@ -153,32 +153,34 @@ fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
 }
 
-/// Two point sources on one normal, the real one at depth `z_r` > 0 and the virtual one at height −`z_v`, seen from
-/// the surface at distance `r` from the normal.
+/// Two point sources on one normal, the real one at depth `z_r` ≥ 0 and the virtual one at depth `z_v`, usually
+/// negative, seen from the surface at distance r from the normal.
 #[derive(Clone, Copy)]
 struct Dipole {
-    sigma_tr: f64,
-    z_r: f64,
-    z_v: f64,
+    /// Distance to the real source, m.
     d_r: f64,
-    d_v: f64,
+    /// e^{−σd_r}/d_r − e^{−σd_v}/d_v, 1/m.
+    fluence: f64,
+    /// z(1 + σd)e^{−σd}/d³ of the real source, 1/m².
+    real: f64,
+    /// The same of the virtual source; the sign is that of `z_v`.
+    image: f64,
 }
 
 impl Dipole {
+    /// With δ = d_v − d_r = (z_v² − z_r²)/(d_v + d_r) the difference does not cancel far away.
     fn new(sigma_tr: f64, z_r: f64, z_v: f64, r: f64) -> Self {
-        Self { sigma_tr, z_r, z_v, d_r: r.hypot(z_r), d_v: r.hypot(z_v) }
-    }
-
-    /// e^{−σd_r}/d_r − e^{−σd_v}/d_v. With δ = d_v − d_r = (z_v² − z_r²)/(d_v + d_r) nothing cancels far away.
-    fn fluence(&self) -> f64 {
-        let Self { sigma_tr, z_r, z_v, d_r, d_v } = *self;
+        let (d_r, d_v) = ((r * r + z_r * z_r).sqrt(), (r * r + z_v * z_v).sqrt());
         let delta = (z_v - z_r) * (z_v + z_r) / (d_v + d_r);
-        (-sigma_tr * d_r).exp() / d_r * (delta - d_r * (-sigma_tr * delta).exp_m1()) / d_v
-    }
-
-    /// z(1 + σd)e^{−σd}/d³ of the real and of the virtual source.
-    fn fluxes(&self) -> (f64, f64) {
-        let flux = |z: f64, d: f64| z * (1.0 + self.sigma_tr * d) * (-self.sigma_tr * d).exp() / (d * d * d);
-        (flux(self.z_r, self.d_r), flux(self.z_v, self.d_v))
+        let fall = (-sigma_tr * delta).exp_m1();
+        let real = (-sigma_tr * d_r).exp() / d_r;
+        let image = real * (1.0 + fall) * d_r / d_v;
+        let flux = |z: f64, d: f64, green: f64| z * (1.0 + sigma_tr * d) * green / (d * d);
+        Self {
+            d_r,
+            fluence: real * (delta - d_r * fall) / d_v,
+            real: flux(z_r, d_r, real),
+            image: flux(z_v, d_v, image),
+        }
     }
 }

@@ -36,7 +36,7 @@ impl<A: RadialProfile, B: RadialProfile> RadialProfile for (A, B) {
 
 /// ∫ R 2πr dr by the trapezoid rule in ln r around the length `scale`, m.
 pub(super) fn integrate(profile: &impl RadialProfile, scale: f64) -> f64 {
-    const NEAREST: f64 = -14.0;
+    const NEAREST: f64 = -18.0;
     const FARTHEST: f64 = 18.0;
     const STEP: f64 = 0.25;
     if !(scale.is_finite() && scale > 0.0) {
@@ -80,6 +80,9 @@ const INNER: f64 = 1e-4;
 const OUTER: f64 = 2e-5;
 /// Share of the energy inside [`TabulatedProfile::max_radius`].
 const HELD: f32 = 0.9995;
+/// Densities per area grow as 1/r towards the beam; nearer than this, m, they stay what they are there, so that they
+/// are finite in single precision.
+const NEAREST_RADIUS: f32 = 1e-20;
 /// The radii that are searched for the profile, as powers of two: 1e-12 m to 3e7 m.
 const SEARCHED: std::ops::RangeInclusive<i32> = -40..=25;
 
@@ -188,7 +191,7 @@ impl TabulatedProfile {
     /// Density per unit area at distance `r` in m, 1/m²: `pdf_radius(r)/(2πr)`.
     #[inline]
     pub fn pdf_area(&self, r: f32) -> f32 {
-        let r = r.max(f32::MIN_POSITIVE);
+        let r = r.max(NEAREST_RADIUS);
         self.pdf_radius(r) / (std::f32::consts::TAU * r)
     }
 

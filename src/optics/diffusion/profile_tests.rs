@@ -137,7 +137,7 @@ fn totals_are_integrals() {
     for c in &MEDIA[..3] {
         for (name, profile) in profiles(c) {
             let steps = 4000;
-            let (from, to) = (-16.0, 18.0);
+            let (from, to) = (-21.0, 18.0);
             let h = (to - from) / f64::from(steps);
             let sum: f64 =
                 (0..=steps).map(|k| (from + h * f64::from(k)).exp()).map(|r| r * r * profile.eval(r)).sum();
@@ -173,17 +173,17 @@ fn the_ends_of_the_sampler_are_safe() {
     }
 }
 
-/// Not a test of the machine: the bound is ten times what it takes.
+/// The best of ten: other work on the machine does not count.
 #[test]
 fn tables_are_quick_to_build() {
-    for (name, profile) in profiles(&MEDIA[2]) {
+    let milliseconds = |profile: &dyn RadialProfile| {
         let start = std::time::Instant::now();
-        let table = TabulatedProfile::new(&*profile);
-        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        println!("{name}: {milliseconds:.2} ms");
-        assert!(
-            table.is_some() && (cfg!(debug_assertions) || milliseconds < 50.0),
-            "{name}: {milliseconds} ms"
-        );
+        assert!(TabulatedProfile::new(profile).is_some());
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    for (name, profile) in profiles(&MEDIA[2]) {
+        let best = (0..10).map(|_| milliseconds(&*profile)).fold(f64::INFINITY, f64::min);
+        println!("{name}: {best:.2} ms");
+        assert!(cfg!(debug_assertions) || best < 5.0, "{name}: {best} ms");
     }
 }

@@ -5,10 +5,15 @@ use std::sync::LazyLock;
 
 /// ∫₀¹ f by the tanh–sinh rule (Takahasi & Mori 1974). `f` takes x and 1 − x, each accurate near its own zero.
 pub(super) fn unit_interval(f: impl Fn(f64, f64) -> f64) -> f64 {
-    TANH_SINH.iter().map(|&[x, rest, weight]| weight * f(x, rest)).sum()
+    nodes().iter().map(|&[x, rest, weight]| weight * f(x, rest)).sum()
 }
 
-/// Nodes (x, 1 − x) and weights for step 1/12; the outermost weights are below 1e-15.
+/// The nodes x and 1 − x and the weights of [`unit_interval`].
+pub(super) fn nodes() -> &'static [[f64; 3]] {
+    &TANH_SINH
+}
+
+/// For step 1/12; the outermost weights are below 1e-15.
 static TANH_SINH: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     const STEPS: i32 = 39;
     const STEP: f64 = 1.0 / 12.0;
@@ -27,11 +32,11 @@ static TANH_SINH: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
 pub(super) fn logarithmic(from: f64, to: f64, step: f64, f: impl Fn(f64) -> f64) -> f64 {
     let steps = ((to - from) / step).ceil();
     let step = (to - from) / steps;
-    let sum: f64 = (0..=steps as usize)
-        .map(|i| {
-            let x = (from + step * i as f64).exp();
-            x * f(x)
-        })
-        .sum();
+    let (mut x, ratio) = (from.exp(), step.exp());
+    let mut sum = 0.0;
+    for _ in 0..=steps as usize {
+        sum += x * f(x);
+        x *= ratio;
+    }
     sum * step
 }

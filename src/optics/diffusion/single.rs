@@ -1,4 +1,4 @@
-//! Light that is scattered once (Jensen et al. 2001, §2.2 and §3.1; Habel et al. 2013, §5).
+//! Light that is scattered once (Jensen et al. 2001, §3; Habel et al. 2013).
 //!
 //! [`SingleScattering`] is the exact radial profile of a half space with a smooth boundary. [`Connection`] is the term
 //! along a refracted view ray on any surface: at the distance s_o′ below the exit the light comes in straight from
@@ -18,15 +18,30 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// From depth t the surface at r is seen along the cosine t/d, d = √(r² + t²):
 /// ss(r) = ∫ σs e^{−σt(t+d)} p(−t/d) T(t/d) (t/d)/d² dt. In the sine s of the exit angle outside, with µ = √(1 − s²/η²),
 /// ss(r) = σs/(ηr) ∫₀¹ e^{−σt η r(1+µ)/s} p(−µ) T ds. It grows as 1/r towards the beam.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SingleScattering {
     coefficients: Coefficients,
+    /// (1 + µ)/s and p(−µ) T ds at the nodes of the quadrature over s.
+    nodes: Vec<[f64; 2]>,
 }
 
 impl SingleScattering {
     /// The profile of one channel.
     pub fn new(c: &Coefficients) -> Self {
-        Self { coefficients: *c }
+        let Coefficients { g, eta, .. } = *c;
+        // Light from a medium of lower index leaves at sines up to η only.
+        let largest = eta.min(1.0);
+        let node = |&[x, rest, weight]: &[f64; 3]| {
+            let (sin, cos) = ((FRAC_PI_2 * x).sin(), (FRAC_PI_2 * rest).sin());
+            let s = largest * sin;
+            let inside = if eta < 1.0 { eta * cos } else { ((eta - s) * (eta + s)).sqrt() };
+            let outside = if eta < 1.0 { ((1.0 - s) * (1.0 + s)).sqrt() } else { cos };
+            let mu = inside / eta;
+            let transmittance = 1.0 - fresnel::reflectance(mu, outside / eta, 1.0 / eta);
+            let ds = FRAC_PI_2 * largest * cos * weight;
+            [(1.0 + mu) / s, phase::henyey_greenstein(g, -mu) * transmittance * ds]
+        };
+        Self { coefficients: *c, nodes: quadrature::nodes().iter().map(node).collect() }
     }
 
     /// The integrand over the depth `t` > 0 in m: what unit length of the beam sends to unit area at distance `r`
@@ -48,36 +63,25 @@ impl SingleScattering {
         let eta = self.coefficients.eta;
         r * ((eta - 1.0) * (eta + 1.0)).max(0.0).sqrt()
     }
-
-    /// ∫ weight(µ, s) p(−µ) T ds over the sine s of the exit angle outside.
-    fn integrate(&self, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        let Coefficients { g, eta, .. } = self.coefficients;
-        let largest = eta.min(1.0);
-        quadrature::unit_interval(|x, rest| {
-            let (s, ds) = ((FRAC_PI_2 * x).sin() * largest, (FRAC_PI_2 * rest).sin() * largest * FRAC_PI_2);
-            let mu = ((eta - s) * (eta + s)).max(0.0).sqrt() / eta;
-            let c = if largest < 1.0 { (1.0 - s * s).sqrt() } else { (FRAC_PI_2 * rest).sin() };
-            let transmittance = 1.0 - fresnel::reflectance(mu, c / eta, 1.0 / eta);
-            weight(mu, s) * phase::henyey_greenstein(g, -mu) * transmittance * ds
-        })
-    }
 }
 
 impl RadialProfile for SingleScattering {
     fn eval(&self, r: f64) -> f64 {
         let c = &self.coefficients;
         let reach = c.sigma_t() * c.eta * r;
-        c.sigma_s / (c.eta * r) * self.integrate(|mu, s| (-reach * (1.0 + mu) / s).exp())
+        let sum: f64 = self.nodes.iter().map(|[rate, weight]| weight * (-reach * rate).exp()).sum();
+        c.sigma_s / (c.eta * r) * sum
     }
 
     fn total(&self) -> f64 {
         let c = &self.coefficients;
-        TAU * c.albedo() / (c.eta * c.eta) * self.integrate(|mu, s| s / (1.0 + mu))
+        let sum: f64 = self.nodes.iter().map(|[rate, weight]| weight / rate).sum();
+        TAU * c.albedo() / (c.eta * c.eta) * sum
     }
 }
 
 /// s_i′ in m: length inside of the refracted way to the light, for the straight way `s_i` in m to a surface met at the
-/// cosine `cos_i` = |ωi·n_i| by light from outside (Jensen et al. 2001, §3.1).
+/// cosine `cos_i` = |ωi·n_i| by light from outside (Jensen et al. 2001, §3).
 pub fn refracted_distance(s_i: f64, cos_i: f64, eta: f64) -> f64 {
     s_i * cos_i / (1.0 - (1.0 - cos_i * cos_i) / (eta * eta)).sqrt()
 }
@@ -109,7 +113,7 @@ pub struct Contribution {
     /// σs F p e^{−σt s_i′} e^{−σt s_o′}, 1/(m sr): outgoing radiance per unit incident radiance, solid angle of the
     /// light outside and length of the view ray, as printed (eq. 6).
     pub integrand: f64,
-    /// Combined extinction σt(1 + G), G = |n_i·wo′|/|n_i·wi′|, 1/m (eq. 6): `integrand` falls as e^{−σtc s_o′} in a
+    /// Combined extinction σt(1 + G), G = |n_i·wo′|/|n_i·wi′|, 1/m: `integrand` falls as e^{−σtc s_o′} in a
     /// half space.
     pub combined_extinction: f64,
     /// (|ωi·n_i|/|ωi′·n_i|)/η²: turns the printed `integrand` into the radiance that physics gives.
