@@ -26,7 +26,7 @@ pub enum Cosines {
     /// Of the directions inside, as the formula means them.
     #[default]
     Refracted,
-    /// Of the directions outside: a widespread misreading, up to 50 % off at grazing angles.
+    /// Of the directions outside: a widespread misreading, brighter without bound towards grazing angles.
     Unrefracted,
 }
 

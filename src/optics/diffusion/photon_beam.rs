@@ -7,8 +7,8 @@
 //! φ = (e^{−σtr d_r}/d_r − e^{−σtr d_v}/d_v)/(4πD),
 //! E = (z_r(1 + σtr d_r)e^{−σtr d_r}/d_r³ − z_v(1 + σtr d_v)e^{−σtr d_v}/d_v³)/(4π), z_v = −z − 4AD.
 //!
-//! κ is the empirical correction near the beam, where diffusion overestimates. One power of α′ is the share
-//! of the extinction that scatters, the other leaves out single scattering, which is [`PhotonBeam::single`].
+//! κ is the empirical correction near the beam, where diffusion overestimates. One power of α′ is the share of the
+//! extinction that scatters, the other leaves out single scattering, which is [`PhotonBeam::single`].
 //!
 //! As functions of ln u the integrands are analytic in a strip of half-width π/2 at every r, so the trapezoid rule in
 //! ln u converges geometrically however small r is. ms diverges logarithmically at r = 0.
@@ -27,7 +27,7 @@ pub struct PhotonBeam {
     corrected: bool,
 }
 
-/// Step in ln u: an error of 1e-7 up to eight mean free paths from the beam.
+/// Step in ln u: an error of 3e-7 up to eight mean free paths from the beam.
 const STEP: f64 = 0.45;
 /// e^{−u} is below 1e-13 beyond.
 const LAST: f64 = 3.4;
