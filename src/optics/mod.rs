@@ -10,6 +10,7 @@ pub mod albedo;
 pub mod boundary;
 pub mod boundary_tables;
 pub mod bsdf;
+pub mod diffusion;
 pub mod fresnel;
 pub mod ggx;
 mod lobe;
