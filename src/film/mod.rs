@@ -9,6 +9,7 @@
 pub mod atomic;
 mod display;
 mod exr;
+pub mod figure;
 mod format;
 mod hdr;
 pub mod tonemap;
