@@ -11,15 +11,30 @@
 //! answers [`Arrival::Exit`] multiplies by η² to bring it out again.
 
 mod aim;
+mod better_dipole;
+mod dipole;
+mod exit_search;
+mod normalized_diffusion;
+mod photon_beam_diffusion;
+mod radial;
 mod random_walk;
+mod single_scattering;
 mod spectral;
 mod textured;
 
 pub use aim::{Aim, Aimed, LightNumbers};
+pub use better_dipole::BetterDipole;
+pub use dipole::Dipole;
+pub use exit_search::{Candidate, ExitSearch, Radii};
+pub use normalized_diffusion::NormalizedDiffusion;
+pub use photon_beam_diffusion::PhotonBeamDiffusion;
 pub use random_walk::RandomWalk;
+pub use single_scattering::SingleScattering;
 pub use textured::TexturedMedium;
 
 use crate::geometry::Hit;
+use crate::light::LightSample;
+use crate::optics::diffusion::ScaleFit;
 use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Object, Scene, Surface};
@@ -112,6 +127,18 @@ pub trait Connector {
     /// [`Connection::Straight`]: called with the direction chosen and its phase-function density, so that hits by chance
     /// can be weighted.
     fn redirected(&mut self, point: Vec3, pdf: f32);
+    /// Chooses a light for a point below the surface. The direction is that of a straight line.
+    fn light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample>;
+    /// Adds the light of a sample that comes in at `surface`, a point of the object's boundary `covered` metres along the
+    /// straight line to it: `throughput` × radiance / pdf, where nothing beyond is in the way.
+    fn deliver(
+        &mut self,
+        surface: &Surface,
+        light: &LightSample,
+        covered: f32,
+        throughput: Vec3,
+        sampler: &mut Sampler,
+    );
     /// [`Connection::Boundary`]: prepares to aim from `point` through a boundary near by, of outward normal `normal`, at
     /// light. False: there is nothing to aim at.
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool;
@@ -162,7 +189,19 @@ pub struct Registry {
 impl Registry {
     /// All models of this crate.
     pub fn standard() -> Self {
-        Self { models: vec![Box::new(RandomWalk)] }
+        Self {
+            models: vec![
+                Box::new(RandomWalk),
+                Box::new(Dipole { single: true }),
+                Box::new(Dipole { single: false }),
+                Box::new(SingleScattering),
+                Box::new(BetterDipole),
+                Box::new(PhotonBeamDiffusion),
+                Box::new(NormalizedDiffusion { fit: ScaleFit::DiffuseMfp }),
+                Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightMfp }),
+                Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightDmfp }),
+            ],
+        }
     }
 
     /// Adds a model; one of the same name is replaced.

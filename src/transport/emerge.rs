@@ -7,7 +7,7 @@ use super::path::PathTracer;
 use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
-use crate::light::Anchor;
+use crate::light::{Anchor, LightSample};
 use crate::optics::{Bsdf, HenyeyGreenstein};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{Shading, Surface};
@@ -105,6 +105,32 @@ impl Connector for FlightLights<'_, '_> {
             connected: true,
             aimed: Aimed::default(),
         });
+    }
+
+    fn light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample> {
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        self.tracer.scene.lights.sample(point, None, u_select, u)
+    }
+
+    fn deliver(
+        &mut self,
+        surface: &Surface,
+        light: &LightSample,
+        covered: f32,
+        throughput: Vec3,
+        sampler: &mut Sampler,
+    ) {
+        let contribution = throughput * light.radiance / light.pdf;
+        let distance = light.distance - covered;
+        if contribution.max_element() <= 0.0 || distance <= 0.0 {
+            return;
+        }
+        let mut stack = self.stack;
+        stack.leave(self.enclosure.instance);
+        let n = surface.geometric_normal;
+        let origin = offset_origin(surface.position, surface.error, n, light.direction);
+        let through = self.tracer.transmittance(origin, light.direction, distance, stack, sampler);
+        self.radiance += contribution * through;
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {

@@ -3,9 +3,11 @@
 
 mod aiming;
 mod determinism;
+mod exit_search;
 mod furnace;
 mod lab;
 mod lights;
 mod media;
+mod models;
 mod slabs;
 mod spheres;

@@ -1,0 +1,158 @@
+//! The exit-point search: its density is that of its samples, on any mesh, and it integrates profiles exactly.
+
+use crate::lab::*;
+use glam::{Affine3A, Quat, Vec2, Vec3};
+use nephrite::geometry::Hit;
+use nephrite::optics::diffusion::{BetterDipole, Coefficients, RadialProfile, TabulatedProfile};
+use nephrite::sampling::SmallRng;
+use nephrite::scene::*;
+use nephrite::subsurface::{ExitSearch, Radii};
+
+/// A transport mean free path of a millimetre.
+const MEDIUM: Coefficients = Coefficients { sigma_a: 50.0, sigma_s: 950.0, g: 0.0, eta: 1.4 };
+const LINES: u32 = 400_000;
+
+fn scene_of(meshes: Vec<MeshDescription>) -> Scene {
+    let material = subsurface(Vec3::splat(50.0), Vec3::splat(950.0), 0.0, 1.4, 0.0);
+    let mut description = single(meshes[0].clone(), material, EnvironmentDescription::default());
+    description.instances = (0..meshes.len()).map(|i| place(i, Affine3A::IDENTITY)).collect();
+    description.meshes = meshes;
+    Scene::build(description).expect("builds")
+}
+
+/// Counts how often each triangle of instance 0 is hit by lines about a point of `from`, and compares with the integral
+/// of the density over the triangle. A line meets a triangle at most once, so the counts are binomial: |z| < 5 in each of
+/// at most 1300 triangles (confidence 0.9992 in all).
+fn density_is_that_of_the_lines(scene: &Scene, from: u32, what: &str) {
+    let table = TabulatedProfile::new(&BetterDipole::new(&MEDIUM)).expect("scatters");
+    let radii = Radii::new([(&table, 1.0)].into_iter()).expect("weights");
+    let mesh = scene.geometry.mesh_of(0);
+    let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: from, u: 0.3, v: 0.25 });
+    let search = ExitSearch::new(scene, 0, at.position, at.geometric_normal, &radii);
+    let mut counts = vec![0u32; mesh.triangle_count()];
+    let mut rng = SmallRng::new(9);
+    for _ in 0..LINES {
+        for c in search.candidates_of(rng.f32(), rng.f32(), rng.vec2()) {
+            assert_eq!(c.hit.instance, 0);
+            counts[c.hit.triangle as usize] += 1;
+        }
+    }
+    let (mut worst, mut tested) = (0.0f64, 0);
+    for (triangle, &count) in counts.iter().enumerate() {
+        let normal = mesh.geometric_normal(triangle as u32);
+        let expected = f64::from(LINES)
+            * integral(mesh.triangle(triangle as u32), 6, &|p| {
+                f64::from(search.pdf(scene.geometry.transform(0).point(p), normal))
+            });
+        // The quadrature is not exact near the point, where the density peaks.
+        let near = (0..3).any(|k| mesh.triangle(triangle as u32)[k].distance(at.position) < 4e-4);
+        if expected < 25.0 || near || triangle as u32 == from {
+            continue;
+        }
+        tested += 1;
+        let z = (f64::from(count) - expected) / expected.sqrt();
+        worst = worst.max(z.abs());
+        assert!(z.abs() < 5.0, "{what}: triangle {triangle} has {count} for {expected}");
+    }
+    println!("{what}: {tested} triangles, largest |z| {worst:.2}");
+    assert!(tested >= 20, "{what}: only {tested} triangles have enough lines");
+}
+
+/// ∫ f dA by the midpoints of 4^levels equal parts.
+fn integral(t: [Vec3; 3], levels: u32, f: &dyn Fn(Vec3) -> f64) -> f64 {
+    let n = 1 << levels.min(6);
+    let area = 0.5 * f64::from((t[1] - t[0]).cross(t[2] - t[0]).length());
+    let mut sum = 0.0;
+    let at = |a: f32, b: f32| t[0] + (t[1] - t[0]) * (a / n as f32) + (t[2] - t[0]) * (b / n as f32);
+    for i in 0..n {
+        for j in 0..(n - i) {
+            let (a, b) = (i as f32, j as f32);
+            sum += f(at(a + 1.0 / 3.0, b + 1.0 / 3.0));
+            if i + j + 1 < n {
+                sum += f(at(a + 2.0 / 3.0, b + 2.0 / 3.0));
+            }
+        }
+    }
+    sum * area / f64::from(n * n)
+}
+
+fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
+    mesh.positions.iter_mut().for_each(|p| *p += by);
+    mesh
+}
+
+#[test]
+fn the_density_is_that_of_the_lines() {
+    density_is_that_of_the_lines(&scene_of(vec![icosphere(0.004, 3, false)]), 100, "sphere");
+    let mut edge = grid_box(Vec3::new(0.004, 0.003, 0.005), 8);
+    edge.positions.iter_mut().for_each(|p| *p = Quat::from_rotation_x(0.4) * *p);
+    density_is_that_of_the_lines(&scene_of(vec![edge]), 7, "box edge");
+    let sheet = grid_box(Vec3::new(0.008, 0.008, 0.0004), 10);
+    density_is_that_of_the_lines(&scene_of(vec![sheet]), 250, "thin sheet");
+    let mut concave = icosphere(0.004, 3, false);
+    concave.positions.iter_mut().for_each(|p| {
+        let bump = 1.0 - 0.45 * (-8.0 * (p.normalize() - Vec3::Z).length_squared()).exp();
+        *p *= bump;
+    });
+    density_is_that_of_the_lines(&scene_of(vec![concave]), 60, "concave mesh");
+    let near = moved(icosphere(0.004, 3, false), Vec3::new(0.0085, 0.0, 0.0));
+    density_is_that_of_the_lines(&scene_of(vec![icosphere(0.004, 3, false), near]), 200, "two close objects");
+}
+
+/// A box whose faces are grids of n × n squares.
+fn grid_box(half: Vec3, n: u32) -> MeshDescription {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (axis, sign) in (0..3).flat_map(|a| [(a, 1.0), (a, -1.0f32)]) {
+        let n_axis = Vec3::AXES[axis] * sign;
+        let (x, y) = (Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3] * sign);
+        let first = positions.len() as u32;
+        for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+            let at = |k: u32| 2.0 * k as f32 / n as f32 - 1.0;
+            positions.push((n_axis + at(i) * x + at(j) * y) * half);
+        }
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let v = |i: u32, j: u32| first + i * (n + 1) + j;
+            triangles.push([v(i, j), v(i + 1, j), v(i + 1, j + 1)]);
+            triangles.push([v(i, j), v(i + 1, j + 1), v(i, j + 1)]);
+        }
+    }
+    let triangle_materials = vec![0; triangles.len()];
+    MeshDescription { positions, triangles, triangle_materials, ..Default::default() }
+}
+
+#[test]
+fn searches_integrate_profiles_over_meshes() {
+    let profile = BetterDipole::new(&MEDIUM);
+    let table = TabulatedProfile::new(&profile).expect("scatters");
+    let radii = Radii::new([(&table, 1.0)].into_iter()).expect("weights");
+    let mut rough = icosphere(0.004, 4, false);
+    let mut rng = SmallRng::new(3);
+    rough.positions.iter_mut().for_each(|p| *p *= 1.0 + 0.1 * (rng.f32() - 0.5));
+    for (mesh, what) in [(icosphere(0.004, 4, false), "sphere"), (rough, "dense random mesh")] {
+        let scene = scene_of(vec![mesh]);
+        let geometry = scene.geometry.mesh_of(0);
+        let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: 37, u: 0.3, v: 0.3 });
+        let exact: f64 = (0..geometry.triangle_count() as u32)
+            .map(|t| {
+                let fine = geometry.triangle(t)[0].distance(at.position) < 1e-3;
+                integral(geometry.triangle(t), if fine { 6 } else { 2 }, &|p| {
+                    profile.eval(f64::from(p.distance(at.position)).max(1e-7))
+                })
+            })
+            .sum();
+        let search = ExitSearch::new(&scene, 0, at.position, at.geometric_normal, &radii);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for _ in 0..LINES {
+            let found = search.candidates_of(rng.f32(), rng.f32(), Vec2::new(rng.f32(), rng.f32()));
+            let value: f64 =
+                found.iter().map(|c| profile.eval(f64::from(c.distance).max(1e-7)) / f64::from(c.pdf)).sum();
+            sum += value;
+            squares += value * value;
+        }
+        let n = f64::from(LINES);
+        let (mean, variance) = (sum / n, squares / n - (sum / n).powi(2));
+        let se = (variance / n).sqrt();
+        println!("{what}: {mean:.5} ± {se:.5}, quadrature {exact:.5}");
+        assert!(se < 0.005 * exact && (mean - exact).abs() < 4.0 * se, "{what}: {mean} ± {se}, not {exact}");
+    }
+}

@@ -1,0 +1,140 @@
+//! The subsurface models, rendered: profiles and totals are those of their formulas.
+
+use crate::lab::*;
+use glam::Vec3;
+use nephrite::optics::diffusion::*;
+use nephrite::optics::fresnel;
+use nephrite::scene::*;
+use nephrite::transport::RenderOptions;
+
+const SIGMA_A: Vec3 = Vec3::new(20.0, 60.0, 200.0);
+const SIGMA_S: Vec3 = Vec3::new(1000.0, 900.0, 800.0);
+const ETA: f32 = 1.4;
+
+fn coefficients(channel: usize) -> Coefficients {
+    Coefficients {
+        sigma_a: f64::from(SIGMA_A[channel]),
+        sigma_s: f64::from(SIGMA_S[channel]),
+        g: 0.0,
+        eta: f64::from(ETA),
+    }
+}
+
+fn albedo_of(c: &Coefficients) -> f64 {
+    BetterDipole::new(c).total()
+}
+
+/// The total of each radial model, and whether its exit lobe is normalised.
+fn radial_models() -> Vec<(&'static str, fn(&Coefficients) -> f64, bool)> {
+    vec![
+        ("dipole-diffuse", |c| ClassicalDipole::new(c).total(), false),
+        ("better-dipole", |c| BetterDipole::new(c).total(), true),
+        ("photon-beam-diffusion", |c| (PhotonBeam::new(c), SingleScattering::new(c)).total(), true),
+        ("normalized-diffusion", albedo_of, true),
+        ("normalized-diffusion-searchlight", albedo_of, true),
+        ("normalized-diffusion-dmfp", albedo_of, true),
+    ]
+}
+
+fn options_of(model: &str, camera: CameraDescription, pixels: u32, spp: u32) -> RenderOptions {
+    RenderOptions { subsurface: model.to_owned(), seed: seed_of(model), ..options(camera, pixels, spp) }
+}
+
+/// Uniform light on a block that is a half space for the profile: radiance F + (1 − F) R, less what a lobe that is not
+/// normalised loses.
+#[test]
+fn totals_are_those_of_the_formulas() {
+    let material = subsurface(SIGMA_A, SIGMA_S, 0.0, ETA, 0.0);
+    let block = cuboid(Vec3::splat(0.5));
+    let scene = single(block, material, EnvironmentDescription::Constant(Vec3::ONE));
+    let scene = Scene::build(scene).expect("builds");
+    for (model, total, normalized) in radial_models() {
+        let camera = ortho(Vec3::new(0.0, 0.0, -1.0), 1.0, 0.01);
+        let estimate = measure(&scene, &options_of(model, camera, 32, 64));
+        let f = f64::from(fresnel::dielectric(1.0, ETA));
+        let lobe = if normalized { 1.0 } else { 1.0 - f64::from(fresnel::diffuse_reflectance(ETA)) };
+        let expected = [0, 1, 2].map(|c| f + (1.0 - f) * total(&coefficients(c)) * lobe);
+        // Tables carry the total of their profile to 1e-4.
+        estimate.assert_matches(expected, expected.map(|e| 1e-4 * e), model);
+    }
+}
+
+/// A spot light shines on a disk about the point that is seen: the radiance is the integral of R over the disk, and over
+/// disks of growing radius that is R itself.
+#[test]
+fn profiles_are_those_of_the_formulas() {
+    const ANGLE: f32 = 0.5;
+    let material = subsurface(SIGMA_A, SIGMA_S, 0.0, ETA, 0.0);
+    let dark = EnvironmentDescription::Constant(Vec3::ZERO);
+    for (model, _, normalized) in radial_models() {
+        for (radius, spp) in [(3e-4f32, 3072), (1e-3, 384), (3e-3, 256)] {
+            let height = radius / ANGLE.tan();
+            let mut description = single(cuboid(Vec3::splat(0.2)), material.clone(), dark.clone());
+            description.lights = vec![PunctualLight {
+                name: String::new(),
+                intensity: Vec3::splat(height * height),
+                position: Vec3::new(0.0, 0.0, 0.1 + height),
+                direction: Vec3::NEG_Z,
+                range: None,
+                kind: PunctualKind::Spot { inner: ANGLE, outer: ANGLE },
+            }];
+            let scene = Scene::build(description).expect("builds");
+            let camera = ortho(Vec3::new(0.0, 0.0, -1.0), 1.0, 1e-6);
+            let estimate = measure(&scene, &options_of(model, camera, 48, spp));
+            let expected = [0, 1, 2].map(|c| {
+                let profile = profile_of(model, &coefficients(c));
+                seen(&*profile, f64::from(height), f64::from(ANGLE), normalized)
+            });
+            // The tables follow their profiles within 0.2 % there.
+            let what = format!("{model}, disk of {radius} m");
+            estimate.assert_matches(expected, expected.map(|e| 1e-3 * e), &what);
+        }
+    }
+}
+
+fn profile_of(model: &str, c: &Coefficients) -> Box<dyn RadialProfile> {
+    let normalized = |fit, length| Box::new(NormalizedDiffusion::new(albedo_of(c), length, fit));
+    match model {
+        "dipole-diffuse" => Box::new(ClassicalDipole::new(c)),
+        "better-dipole" => Box::new(BetterDipole::new(c)),
+        "photon-beam-diffusion" => Box::new((PhotonBeam::new(c), SingleScattering::new(c))),
+        "normalized-diffusion" => normalized(ScaleFit::DiffuseMfp, c.transport_mean_free_path()),
+        "normalized-diffusion-searchlight" => {
+            normalized(ScaleFit::SearchlightMfp, c.transport_mean_free_path())
+        }
+        _ => normalized(ScaleFit::SearchlightDmfp, c.diffuse_mean_free_path()),
+    }
+}
+
+/// The radiance seen at the centre of a spot light's disk, the light `height` above it with intensity height².
+fn seen(profile: &dyn RadialProfile, height: f64, angle: f64, normalized: bool) -> f64 {
+    const STEPS: u32 = 20_000;
+    let transmitted = |cos: f64| 1.0 - f64::from(fresnel::dielectric(cos as f32, ETA));
+    let diffuse = 1.0 - f64::from(fresnel::diffuse_reflectance(ETA));
+    let edge = height * angle.tan();
+    let mut sum = 0.0;
+    for i in 0..STEPS {
+        // Radii crowd at the centre, where profiles rise.
+        let at = |k: f64| edge * (k / f64::from(STEPS)).powi(3);
+        let (r, dr) = (at(f64::from(i) + 0.5), at(f64::from(i) + 1.0) - at(f64::from(i)));
+        let squared = height * height + r * r;
+        let cos = height / squared.sqrt();
+        // KHR_lights_punctual with equal angles: a ramp over 0.001 of the cosine.
+        let ramp = ((cos - angle.cos()) / 0.001).clamp(0.0, 1.0);
+        let irradiance = height * height * ramp * ramp / squared;
+        let lobe = transmitted(cos) * cos / std::f64::consts::PI / if normalized { diffuse } else { 1.0 };
+        sum += profile.eval(r) * irradiance * lobe * 2.0 * std::f64::consts::PI * r * dr;
+    }
+    transmitted(1.0) * sum
+}
+
+/// Nothing is absorbed, nothing is lost: normalized diffusion with albedo 1 in a white furnace.
+#[test]
+fn normalized_diffusion_without_absorption_is_white() {
+    let material = subsurface(Vec3::ZERO, Vec3::new(500.0, 1000.0, 2000.0), 0.0, ETA, 0.0);
+    let white = EnvironmentDescription::Constant(Vec3::ONE);
+    let scene = Scene::build(single(cuboid(Vec3::splat(0.3)), material, white)).expect("builds");
+    let camera = ortho(Vec3::new(0.0, 0.0, -1.0), 1.0, 0.01);
+    let estimate = measure(&scene, &options_of("normalized-diffusion", camera, 32, 256));
+    estimate.assert_matches([1.0; 3], [1e-4; 3], "furnace");
+}
