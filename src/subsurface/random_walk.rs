@@ -21,7 +21,7 @@
 use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{Aabb, DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
-use crate::optics::HenyeyGreenstein;
+use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::{Intruder, Scene};
 use glam::{Vec3, Vec3A};
@@ -47,12 +47,25 @@ impl SubsurfaceModel for RandomWalk {
         "volumetric path tracing below the surface: the ground truth"
     }
 
-    fn prepare(&self, _scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Walker)
+    fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
+        let coefficients = (0..scene.objects.len() as u32).map(|instance| {
+            let mut materials = scene.mesh(instance).triangle_materials.iter().copied();
+            let material = materials.find(|&m| scene.medium(m).is_some())?;
+            let scale = scene.geometry.transform(instance).scale;
+            Some((material, coefficients(scene.medium(material)?, scale)))
+        });
+        Box::new(Walker { coefficients: coefficients.collect() })
     }
 }
 
-struct Walker;
+struct Walker {
+    /// For each instance, those of the first of its materials that has a medium, in its own space.
+    coefficients: Vec<Option<(u32, Coefficients)>>,
+}
+
+fn coefficients(medium: &Medium, scale: f32) -> Coefficients {
+    Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, scale)
+}
 
 impl Propagator for Walker {
     fn propagate(
@@ -69,7 +82,17 @@ impl Propagator for Walker {
         }
         match (&flight.object.distance, flight.connection) {
             (Some(distance), Connection::None | Connection::Boundary) => {
-                walk_inside(flight, distance, head, sampler, connector)
+                let enclosure = flight.enclosure;
+                match &self.coefficients[enclosure.instance as usize] {
+                    Some((material, c)) if *material == enclosure.material => {
+                        walk_inside(flight, c, distance, head, sampler, connector)
+                    }
+                    _ => {
+                        let scale = flight.scene.geometry.transform(enclosure.instance).scale;
+                        let c = coefficients(flight.medium, scale);
+                        walk_inside(flight, &c, distance, head, sampler, connector)
+                    }
+                }
             }
             _ => walk_in_scene(flight, head, sampler, connector),
         }
@@ -93,6 +116,7 @@ pub(super) fn survival(largest: f32, rng: &mut SmallRng) -> f32 {
 /// inside is asked for where it can be.
 fn walk_inside(
     flight: &Flight<'_>,
+    c: &Coefficients,
     distance: &DistanceBound,
     head: &mut PathHead,
     sampler: &mut Sampler,
@@ -102,7 +126,6 @@ fn walk_inside(
     let mesh = flight.scene.geometry.mesh_of(instance);
     let transform = flight.scene.geometry.transform(instance);
     let medium = flight.medium;
-    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, transform.scale);
     let radiance_scale = medium.ior * medium.ior;
     let least_sigma_t = c.sigma_t.min_element();
     let aims = flight.connection == Connection::Boundary;
@@ -182,7 +205,8 @@ fn walk_inside(
             phase_pdf = c.phase.eval_directions(incoming, d);
             // A path of little weight is not worth aiming.
             let worth = (beta.max_element() * radiance_scale).min(1.0);
-            aiming.rate = AIMING_RATE * worth * (-AIMING_FALLOFF * clear * least_sigma_t).exp();
+            let decay = fast_math::exp_negative(Vec3A::splat(-AIMING_FALLOFF * clear * least_sigma_t));
+            aiming.rate = AIMING_RATE * worth * decay.x;
             if sampler.rng().f32() < aiming.rate
                 && aiming.ready(p, clear, connector)
                 && let Some((direction, pdf)) = connector.draw(transform.point(p), &mut aiming.aim, sampler)

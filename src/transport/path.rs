@@ -16,6 +16,8 @@ use std::cell::Cell;
 
 /// Surface bounces after which throughput decides whether a path goes on.
 const ROULETTE_AFTER: u32 = 3;
+/// Least probability of following the reflection of a boundary that the camera sees.
+const LEAST_REFLECTION: f32 = 0.06;
 /// Below this throughput a path at a surface plays Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
 
@@ -75,13 +77,9 @@ impl PathTracer<'_> {
             events: 0,
             bounces: 0,
             direct_view: true,
-            reflection: None,
         };
         let mut radiance = Vec3::ZERO;
         self.follow(&mut path, &mut radiance, sampler);
-        if let Some(mut reflection) = path.reflection {
-            self.follow(&mut reflection, &mut radiance, sampler);
-        }
         radiance
     }
 
@@ -286,18 +284,17 @@ impl PathTracer<'_> {
             *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, None, sampler);
         }
         let (mut u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let reflected = if path.bounces == 0 { shaded.bsdf.reflected_share(shaded.wo) } else { 0.0 };
-        if reflected > 0.0 {
-            if let Some(sample) = shaded.bsdf.sample(shaded.wo, reflected * u_lobe, u) {
-                let mut other = path.clone();
-                other.head.throughput *= reflected;
-                other.bounces = ROULETTE_AFTER - 1;
-                if self.leave(&shaded, &sample, connected, &mut other, sampler) {
-                    path.reflection = Some(Box::new(other));
-                }
-            }
-            u_lobe = (reflected + (1.0 - reflected) * u_lobe).min(ONE_MINUS_EPSILON);
-            path.head.throughput *= 1.0 - reflected;
+        let share = if path.bounces == 0 { shaded.bsdf.reflected_share(shaded.wo) } else { 0.0 };
+        if share > 0.0 && share < LEAST_REFLECTION {
+            // What a boundary in view reflects is rare and bright, and costs little next to a walk below it.
+            let (q, u) = (LEAST_REFLECTION, u_lobe);
+            let (chosen, weight) = if u < q {
+                (share * u / q, share / q)
+            } else {
+                (share + (1.0 - share) * (u - q) / (1.0 - q), (1.0 - share) / (1.0 - q))
+            };
+            u_lobe = chosen.min(ONE_MINUS_EPSILON);
+            path.head.throughput *= weight;
         }
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
         self.leave(&shaded, &sample, connected, path, sampler)

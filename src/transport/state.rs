@@ -41,8 +41,6 @@ pub(super) struct Path {
     pub bounces: u32,
     /// The camera still sees straight through what was met.
     pub direct_view: bool,
-    /// What a boundary seen by the camera reflects, to be followed after the rest.
-    pub reflection: Option<Box<Path>>,
 }
 
 impl Path {
