@@ -242,10 +242,11 @@ mod tests {
         let shapes = [
             (sphere(4, 0.0, 1), [0.75, 0.6]),
             (sphere(4, 0.3, 2), [0.65, 0.3]),
-            (cuboid(Vec3::splat(-1.0), Vec3::new(1.0, 0.2, 0.5)), [0.65, 0.9]),
-            (soup(50, 0.5, 3), [0.5, 0.0]),
+            (cuboid(Vec3::splat(-1.0), Vec3::new(1.0, 0.2, 0.5)), [0.6, 0.8]),
+            (soup(50, 0.5, 3), [0.4, 0.0]),
         ];
-        // How much of the distance the bound is worth, everywhere (deep bricks share a search) and inside within a cell of the mesh.
+        // How much of the distance the bound is worth: everywhere (deep bricks share a search), and inside within a cell of
+        // the mesh.
         for (shape, worth) in shapes {
             for (scale, shift) in
                 [(1.0, Vec3::ZERO), (1.0e-6, Vec3::ZERO), (1.0e6, Vec3::ZERO), (1.0, 9.0 * Vec3::ONE)]
