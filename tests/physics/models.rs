@@ -24,9 +24,11 @@ fn albedo_of(c: &Coefficients) -> f64 {
     BetterDipole::new(c).total()
 }
 
-/// The total of each radial model, and whether its exit lobe is normalised.
-fn radial_models() -> Vec<(&'static str, fn(&Coefficients) -> f64, bool)> {
-    vec![
+/// A radial model: its name, its total, and whether its exit lobe is normalised.
+type Radial = (&'static str, fn(&Coefficients) -> f64, bool);
+
+fn radial_models() -> [Radial; 6] {
+    [
         ("dipole-diffuse", |c| ClassicalDipole::new(c).total(), false),
         ("better-dipole", |c| BetterDipole::new(c).total(), true),
         ("photon-beam-diffusion", |c| (PhotonBeam::new(c), SingleScattering::new(c)).total(), true),
