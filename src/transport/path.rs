@@ -221,7 +221,7 @@ impl PathTracer<'_> {
         }
         let lit_inside = enclosure.is_none_or(|e| {
             let object = &self.scene.objects[e.instance as usize];
-            object.lit_inside || object.overlapped
+            object.lit_inside || object.overlapped || !object.closed
         });
         let shaded = Shaded {
             surface: &surface,
