@@ -15,6 +15,7 @@ use super::{
     emitter::{EmissiveTriangle, Emitter, EmitterId},
     environment::Environment,
     mixture::{FEW, Mixture},
+    nearest::Lamps,
     punctual,
 };
 use crate::sampling::Distribution1D;
@@ -71,6 +72,7 @@ pub struct Lights {
     emitter_table: Option<Distribution1D>,
     punctual_cluster: Cluster,
     emitter_cluster: Cluster,
+    lamps: Lamps,
 }
 
 /// Many lights seen as one.
@@ -161,8 +163,10 @@ impl Lights {
             placed.map(|l| punctual::power(l, scene_radius)).sum(),
             punctual.iter().filter(is_directional).map(|l| l.intensity.element_sum() / 3.0).sum(),
         );
+        let environment = Environment::new(environment);
         Self {
-            environment: Environment::new(environment),
+            lamps: Lamps::new(&emitters, &punctual, &environment),
+            environment,
             punctual,
             emitters,
             first_of_instance,
@@ -276,6 +280,12 @@ impl Lights {
                 })
             }
         }
+    }
+
+    /// A random point of the closest light: of the lamp (punctual light, or emissive instance) nearest to the point, or
+    /// where there is none of the directional lights and the environment. Not an estimate of all light.
+    pub fn sample_closest(&self, point: Vec3, u_select: f32, u: Vec2) -> Option<LightSample> {
+        self.lamps.sample((&self.emitters, &self.punctual, &self.environment), point, u_select, u)
     }
 
     /// Radiance of the environment from a unit direction; zero if there is none.

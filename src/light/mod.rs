@@ -5,6 +5,7 @@ pub mod emitter;
 pub mod environment;
 pub mod lights;
 mod mixture;
+mod nearest;
 pub mod punctual;
 pub mod studio;
 

@@ -1,14 +1,15 @@
-//! Every way a surface scatters, as one closed set that the tracer calls without dynamic dispatch.
+//! Every way a surface scatters, as one closed set that the tracer calls without dynamic dispatch; only the lobes of
+//! BSSRDFs, which are met once a flight, are open to plug-ins.
 
 use super::boundary::DielectricBoundary;
+use super::exit_lobe::{self, ExitLobe};
 use super::metallic_roughness::Surface;
-use super::{BsdfSample, fresnel, warp};
+use super::{BsdfSample, warp};
 use glam::{Vec2, Vec3};
-use std::f32::consts::FRAC_1_PI;
 
 /// The scattering of one point of a surface. Local frame, directions point away from the surface, radiance is carried
 /// from the camera.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub enum Bsdf {
     /// A boundary of a medium.
     Boundary(DielectricBoundary),
@@ -17,7 +18,7 @@ pub enum Bsdf {
     /// Part of the surface is a boundary, the rest is opaque.
     Mixed(Mixed),
     /// Where light of a BSSRDF leaves its object.
-    Exit(DiffuseExit),
+    Exit(Box<dyn ExitLobe>),
 }
 
 impl Bsdf {
@@ -56,7 +57,7 @@ impl Bsdf {
             Self::Boundary(b) => b.eval_pdf(wo, wi),
             Self::Surface(s) => s.eval_pdf(wo, wi),
             Self::Mixed(m) => m.eval_pdf(wo, wi),
-            Self::Exit(e) => e.eval_pdf(wi),
+            Self::Exit(e) => exit_lobe::eval_pdf(&**e, wi),
         }
     }
 
@@ -77,7 +78,7 @@ impl Bsdf {
             Self::Boundary(b) => b.sample(wo, u_lobe, u),
             Self::Surface(s) => s.sample(wo, u_lobe, u),
             Self::Mixed(m) => m.sample(wo, u_lobe, u),
-            Self::Exit(e) => Some(e.sample(wo, u)),
+            Self::Exit(e) => exit_lobe::sample(&**e, wo, u),
         }
     }
 }
@@ -127,48 +128,6 @@ impl Mixed {
             sample.pdf = pdf;
         }
         Some(sample)
-    }
-}
-
-/// The lobe by which light found by a BSSRDF left its object, towards z > 0 whatever `wo`: a path that comes out at
-/// this point goes on in proportion to the Fresnel transmittance, (1 − F(cos θ)) cos θ/(π (1 − F̄)), which integrates
-/// to 1.
-#[derive(Clone, Copy, Debug)]
-pub struct DiffuseExit {
-    eta: f32,
-    inv_entering: f32,
-}
-
-impl DiffuseExit {
-    /// `eta` is inside over outside.
-    pub fn new(eta: f32) -> Self {
-        Self { eta, inv_entering: 1.0 / (1.0 - fresnel::diffuse_reflectance(eta)) }
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wi: Vec3) -> (Vec3, f32) {
-        if wi.z <= 0.0 {
-            return (Vec3::ZERO, 0.0);
-        }
-        let pdf = wi.z * FRAC_1_PI;
-        (Vec3::splat(pdf * self.weight(wi.z)), pdf)
-    }
-
-    #[inline]
-    fn weight(&self, cos: f32) -> f32 {
-        (1.0 - fresnel::dielectric(cos, self.eta)) * self.inv_entering
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, u: Vec2) -> BsdfSample {
-        let wi = warp::cosine_hemisphere(u);
-        BsdfSample {
-            wi,
-            weight: Vec3::splat(self.weight(wi.z)),
-            pdf: wi.z * FRAC_1_PI,
-            delta: false,
-            transmitted: wo.z < 0.0,
-        }
     }
 }
 

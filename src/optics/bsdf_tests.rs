@@ -1,6 +1,6 @@
 use super::super::metallic_roughness::SurfaceParameters;
 use super::super::test_support::{Rng, chi_square, direction, hemisphere};
-use super::super::{HenyeyGreenstein, Microfacet};
+use super::super::{DiffuseExit, HenyeyGreenstein, Microfacet};
 use super::*;
 
 fn mixed(roughness: f32) -> Bsdf {
@@ -61,7 +61,7 @@ fn division_keeps_the_shares_of_metal_and_boundary() {
 #[test]
 fn exit_lobe_is_normalised_and_sampled() {
     for eta in [1.0f32, 1.3, 1.5, 2.4] {
-        let b = Bsdf::Exit(DiffuseExit::new(eta));
+        let b = Bsdf::Exit(Box::new(DiffuseExit::new(eta)));
         let wo = direction(-0.5, 0.0);
         let e = hemisphere(1.0, 200, |wi| b.eval(wo, wi).x);
         assert!((e - 1.0).abs() < 1e-3, "eta {eta}: {e}");

@@ -11,6 +11,7 @@ pub mod boundary;
 pub mod boundary_tables;
 pub mod bsdf;
 pub mod diffusion;
+mod exit_lobe;
 pub mod fresnel;
 pub mod ggx;
 mod lobe;
@@ -27,7 +28,8 @@ mod warp;
 
 pub use boundary::{DielectricBoundary, Microfacet};
 pub use boundary_tables::BoundaryTables;
-pub use bsdf::{Bsdf, DiffuseExit, Mixed};
+pub use bsdf::{Bsdf, Mixed};
+pub use exit_lobe::{DiffuseExit, ExitLobe};
 use glam::Vec3;
 pub use medium::Medium;
 pub use metallic_roughness::{Surface, SurfaceParameters};

@@ -20,16 +20,12 @@ impl SubsurfaceModel for BetterDipole {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Radial::new(*self, scene))
+        Radial::prepare(*self, scene)
     }
 }
 
 impl Formula for BetterDipole {
     fn profile(&self, c: &Coefficients) -> Box<dyn RadialProfile> {
         Box::new(diffusion::BetterDipole::new(c))
-    }
-
-    fn normalized(&self) -> bool {
-        true
     }
 }

@@ -31,7 +31,7 @@ impl SubsurfaceModel for Dipole {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Radial::new(*self, scene))
+        Radial::prepare(*self, scene)
     }
 }
 

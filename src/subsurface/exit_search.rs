@@ -76,6 +76,17 @@ pub struct Candidate {
     pub pdf: f32,
 }
 
+/// The candidate that a search keeps.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Which.
+    pub candidate: Candidate,
+    /// What the caller said of it.
+    pub reflectance: Vec3,
+    /// What to multiply with, m²: one over its density and over the probability of keeping it.
+    pub inverse_pdf: f32,
+}
+
 /// The search about one point of one instance.
 pub struct ExitSearch<'a> {
     scene: &'a Scene,
@@ -149,30 +160,27 @@ impl<'a> ExitSearch<'a> {
         hits.into_iter().filter_map(candidate).collect()
     }
 
-    /// Keeps one candidate in proportion to `beta` times its contribution `reflectance(candidate)` (1/m², each channel),
-    /// and the weight to multiply the throughput `beta` with. `None`: nothing was found.
+    /// Keeps one candidate of a line in proportion to `beta` times its `reflectance(candidate)` (1/m², each channel)
+    /// over its density. `None`: nothing was found.
     pub fn find(
         &self,
         beta: Vec3,
         sampler: &mut Sampler,
         reflectance: impl Fn(&Candidate) -> Vec3,
-    ) -> Option<(Candidate, Vec3)> {
-        let candidates = self.candidates(sampler);
-        let weights: Vec<Vec3> = candidates.iter().map(|c| reflectance(c) / c.pdf).collect();
-        let shares: Vec<f32> = weights.iter().map(|w| (beta * *w).element_sum()).collect();
-        let total: f32 = shares.iter().sum();
-        if !(total > 0.0 && total.is_finite()) {
-            return None;
-        }
-        let mut u = sampler.rng().f32() * total;
-        let mut kept = shares.iter().rposition(|s| *s > 0.0)?;
-        for (i, share) in shares.iter().enumerate() {
-            if u < *share {
-                kept = i;
-                break;
+    ) -> Option<Found> {
+        let (mut total, mut kept) = (0.0, None);
+        for candidate in self.candidates(sampler) {
+            let reflectance = reflectance(&candidate);
+            let share = (beta * reflectance).element_sum() / candidate.pdf;
+            if share > 0.0 && share.is_finite() {
+                total += share;
+                if sampler.rng().f32() * total < share {
+                    kept = Some((candidate, reflectance, share));
+                }
             }
-            u -= share;
         }
-        Some((candidates[kept], weights[kept] * (total / shares[kept])))
+        let (candidate, reflectance, share) = kept?;
+        let inverse_pdf = total / (share * candidate.pdf);
+        inverse_pdf.is_finite().then_some(Found { candidate, reflectance, inverse_pdf })
     }
 }

@@ -12,30 +12,38 @@
 
 mod aim;
 mod better_dipole;
+mod brdf_approximation;
 mod dipole;
+mod directional_dipole;
 mod exit_search;
+mod light_biased;
 mod normalized_diffusion;
 mod photon_beam_diffusion;
 mod radial;
 mod random_walk;
 mod single_scattering;
 mod spectral;
+mod tables;
 mod textured;
 
 pub use aim::{Aim, Aimed, LightNumbers};
 pub use better_dipole::BetterDipole;
+pub use brdf_approximation::BrdfApproximation;
 pub use dipole::Dipole;
-pub use exit_search::{Candidate, ExitSearch, Radii};
+pub use directional_dipole::DirectionalDipole;
+pub use exit_search::{Candidate, ExitSearch, Found, Radii};
+pub use light_biased::LightBiased;
 pub use normalized_diffusion::NormalizedDiffusion;
 pub use photon_beam_diffusion::PhotonBeamDiffusion;
+pub use radial::{Formula, Radial};
 pub use random_walk::RandomWalk;
 pub use single_scattering::SingleScattering;
 pub use textured::TexturedMedium;
 
 use crate::geometry::Hit;
 use crate::light::LightSample;
-use crate::optics::diffusion::ScaleFit;
-use crate::optics::{HenyeyGreenstein, Medium};
+use crate::optics::diffusion::{Coefficients, Cosines, ScaleFit};
+use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Object, Scene, Surface};
 use crate::transport::Enclosure;
@@ -51,10 +59,35 @@ pub struct Flight<'a> {
     pub object: &'a Object,
     /// What fills it (before textures).
     pub medium: &'a Medium,
+    /// Index of the medium over that of what surrounds the object.
+    pub eta: f32,
     /// Scattering events the path may still have.
     pub budget: u32,
     /// How events in the medium can be connected to lights.
     pub connection: Connection,
+}
+
+impl Flight<'_> {
+    /// The point of the object's boundary that the path has just come through; `None` where it begins elsewhere.
+    pub fn entry(&self, head: &PathHead) -> Option<Hit> {
+        let start = head.start.filter(|s| s.instance == self.enclosure.instance)?;
+        let Start { instance, triangle, barycentric } = start;
+        Some(Hit { t: 0.0, instance, triangle, u: barycentric.x, v: barycentric.y })
+    }
+
+    /// The coefficients of each channel, before textures.
+    pub fn coefficients(&self) -> [Coefficients; 3] {
+        [0, 1, 2].map(|i| Coefficients {
+            eta: f64::from(self.eta),
+            ..Coefficients::of_medium(self.medium, i, 1.0)
+        })
+    }
+
+    /// Whether coefficients come from textures.
+    pub fn is_textured(&self) -> bool {
+        let medium = self.scene.material(self.enclosure.material).medium.as_ref();
+        medium.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
+    }
 }
 
 /// How scattering events in a medium can be connected to lights.
@@ -103,13 +136,21 @@ pub struct Start {
 pub enum Arrival {
     /// A surface was met: the object's own boundary from inside, or anything else in the medium.
     Surface(Hit),
-    /// A BSSRDF: the light came in at this point of the object through a diffuse lobe on its outside, with the weight
-    /// already in the throughput.
-    Exit(Box<Surface>),
+    /// A BSSRDF: the light came in at this point of the object, with the weight already in the throughput.
+    Exit(Box<Exit>),
     /// Nothing was met: the mesh is open.
     Escaped,
     /// The path ended: absorbed, or out of its budget of events.
     Ended,
+}
+
+/// Where and how a BSSRDF lets light into an object.
+#[derive(Debug)]
+pub struct Exit {
+    /// The point of the object.
+    pub surface: Surface,
+    /// The lobe of incidence there, on the outside.
+    pub lobe: Box<dyn ExitLobe>,
 }
 
 /// Light at the scattering events of a flight.
@@ -129,6 +170,8 @@ pub trait Connector {
     fn redirected(&mut self, point: Vec3, pdf: f32);
     /// Chooses a light for a point below the surface. The direction is that of a straight line.
     fn light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample>;
+    /// As [`Connector::light`], but always a point of the closest light: biased.
+    fn closest_light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample>;
     /// Adds the light of a sample that comes in at `surface`, a point of the object's boundary `covered` metres along the
     /// straight line to it: `throughput` × radiance / pdf, where nothing beyond is in the way.
     fn deliver(
@@ -196,10 +239,13 @@ impl Registry {
                 Box::new(Dipole { single: false }),
                 Box::new(SingleScattering),
                 Box::new(BetterDipole),
+                Box::new(DirectionalDipole),
                 Box::new(PhotonBeamDiffusion),
                 Box::new(NormalizedDiffusion { fit: ScaleFit::DiffuseMfp }),
                 Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightMfp }),
                 Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightDmfp }),
+                Box::new(BrdfApproximation { cosines: Cosines::Refracted }),
+                Box::new(LightBiased { cosines: Cosines::Refracted }),
             ],
         }
     }

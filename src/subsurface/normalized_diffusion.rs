@@ -36,7 +36,7 @@ impl SubsurfaceModel for NormalizedDiffusion {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Radial::new(*self, scene))
+        Radial::prepare(*self, scene)
     }
 }
 
@@ -48,9 +48,5 @@ impl Formula for NormalizedDiffusion {
             _ => c.transport_mean_free_path(),
         };
         Box::new(Profile::new(albedo, length, self.fit))
-    }
-
-    fn normalized(&self) -> bool {
-        true
     }
 }

@@ -20,16 +20,12 @@ impl SubsurfaceModel for PhotonBeamDiffusion {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Radial::new(*self, scene))
+        Radial::prepare(*self, scene)
     }
 }
 
 impl Formula for PhotonBeamDiffusion {
     fn profile(&self, c: &Coefficients) -> Box<dyn RadialProfile> {
         Box::new((PhotonBeam::new(c), SingleScattering::new(c)))
-    }
-
-    fn normalized(&self) -> bool {
-        true
     }
 }

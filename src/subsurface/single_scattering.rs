@@ -10,8 +10,12 @@
 //!
 //! With the radiance η² T L inside and dω' = cos θ_i/(η² cos θ_i') dω, the light arriving at the point is
 //! T L cos θ_i/cos θ_i': the factor without which the printed L^(1) is not physical.
+//!
+//! Textured coefficients are those of x_o for scattering and the way to the camera, those of x_i for the way of the light
+//! (Jensen et al. 2001, §3.3).
 
 use super::spectral::{Coefficients, draw_flight};
+use super::tables::sigmas_at;
 use super::{Arrival, Connector, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
 use crate::geometry::Ray;
 use crate::optics::fresnel;
@@ -49,7 +53,7 @@ impl Propagator for Single {
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Arrival {
-        if head.start.is_none_or(|s| s.instance != flight.enclosure.instance) {
+        if flight.entry(head).is_none() {
             return self.fallback.propagate(flight, head, sampler, connector);
         }
         connect(flight, head, sampler, connector);
@@ -66,7 +70,8 @@ pub(super) fn connect(
     connector: &mut dyn Connector,
 ) {
     let medium = flight.medium;
-    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
+    let (sigma_a, sigma_s) = sigmas_at(flight, head.position);
+    let c = Coefficients::new(sigma_a, sigma_s, medium.g, 1.0);
     let beta = head.throughput.into();
     let t = draw_flight(sampler.rng()) * c.draw_mean_free_path(beta, sampler.rng());
     let instance = flight.enclosure.instance;
@@ -85,14 +90,15 @@ pub(super) fn connect(
     if cos <= 0.0 {
         return;
     }
-    let eta = medium.ior;
+    let eta = flight.eta;
     let cos_inside = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt();
     let length = hit.t * cos / cos_inside;
     // Refracted towards the light: the tangential part shrinks by η.
     let inside = ((light.direction - cos * n) / eta + cos_inside * n).normalize();
     let phase = c.phase.eval_directions(head.direction, inside);
     let entering = (1.0 - fresnel::dielectric(cos, eta)) * cos / cos_inside;
-    let scattered = Vec3::from(c.weigh(beta, 1, t)) * Vec3::from(c.transmittance(length));
+    let (sigma_a, sigma_s) = sigmas_at(flight, surface.position);
+    let scattered = Vec3::from(c.weigh(beta, 1, t)) * (-(sigma_a + sigma_s) * length).exp();
     let tint = flight.scene.base_color(&surface).truncate();
     connector.deliver(&surface, &light, hit.t, scattered * tint * (phase * entering), sampler);
 }

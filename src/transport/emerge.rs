@@ -112,6 +112,11 @@ impl Connector for FlightLights<'_, '_> {
         self.tracer.scene.lights.sample(point, None, u_select, u)
     }
 
+    fn closest_light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample> {
+        let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
+        self.tracer.scene.lights.sample_closest(point, u_select, u)
+    }
+
     fn deliver(
         &mut self,
         surface: &Surface,

@@ -7,10 +7,10 @@ use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
 use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
-use crate::optics::{Bsdf, BsdfSample, DiffuseExit, Medium};
+use crate::optics::{Bsdf, BsdfSample, Medium};
 use crate::sampling::{ONE_MINUS_EPSILON, Sampler};
 use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
-use crate::subsurface::{Aimed, Arrival, Connection, Flight, PathHead, Propagator};
+use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
@@ -88,7 +88,7 @@ impl PathTracer<'_> {
         while path.events < self.options.max_depth {
             let alive = match self.advance(path, radiance, sampler) {
                 Arrival::Surface(hit) => self.meet_surface(&hit, path, radiance, sampler),
-                Arrival::Exit(surface) => self.leave_below(&surface, path, radiance, sampler),
+                Arrival::Exit(exit) => self.leave_below(*exit, path, radiance, sampler),
                 Arrival::Escaped => {
                     *radiance += self.environment(path);
                     return;
@@ -122,7 +122,8 @@ impl PathTracer<'_> {
         let object = &self.scene.objects[enclosure.instance as usize];
         let budget = self.options.max_depth - path.events;
         let connection = self.connection(path, object, medium);
-        let flight = Flight { scene: self.scene, enclosure, object, medium, budget, connection };
+        let eta = self.interface(&path.stack, enclosure, false).1;
+        let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection };
         path.head.events = 0;
         path.head.aimed = Aimed::default();
         let mut lights = FlightLights::new(self, path.stack, enclosure);
@@ -238,23 +239,16 @@ impl PathTracer<'_> {
         self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
     }
 
-    /// A diffuse exit that a BSSRDF has found: the path leaves the object there.
-    fn leave_below(
-        &self,
-        surface: &Surface,
-        path: &mut Path,
-        radiance: &mut Vec3,
-        sampler: &mut Sampler,
-    ) -> bool {
-        let mut eta = 1.0;
+    /// An exit that a BSSRDF has found: the path leaves the object there.
+    fn leave_below(&self, exit: Exit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
         if let Some(e) = path.stack.current() {
-            eta = self.interface(&path.stack, e, false).1;
             path.stack.leave(e.instance);
         }
-        let bsdf = Bsdf::Exit(DiffuseExit::new(eta));
+        let Exit { surface, lobe } = exit;
+        let bsdf = Bsdf::Exit(lobe);
         path.head.direction = -surface.normal;
         let shaded = Shaded {
-            surface,
+            surface: &surface,
             bsdf: &bsdf,
             frame: Mat3::IDENTITY,
             wo: Vec3::Z,

@@ -3,6 +3,7 @@
 
 mod aiming;
 mod determinism;
+mod directed_models;
 mod exit_search;
 mod furnace;
 mod lab;

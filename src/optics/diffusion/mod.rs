@@ -35,7 +35,7 @@ mod quadrature;
 pub mod single;
 
 pub use better::BetterDipole;
-pub use brdf::BrdfApproximation;
+pub use brdf::{BrdfApproximation, Cosines, SingleTerm};
 pub use classical::ClassicalDipole;
 pub use directional::DirectionalDipole;
 pub use moments::Moments;
