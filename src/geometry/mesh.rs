@@ -122,6 +122,12 @@ impl MeshGeometry {
         self.intersect_all_with::<Native>(ray, hits);
     }
 
+    /// Visits all hits, in no order that means anything.
+    #[inline]
+    pub fn visit_hits(&self, ray: &Ray, visit: impl FnMut(MeshHit)) {
+        self.visit_hits_with::<Native>(ray, visit);
+    }
+
     /// The point of the mesh nearest to `p`, if it is nearer than `upper_bound`.
     ///
     /// A good upper bound makes it fast; infinity is allowed.
@@ -210,21 +216,24 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn intersect_all_with<L: Lanes>(&self, ray: &Ray, hits: &mut Vec<MeshHit>) {
         hits.clear();
+        self.visit_hits_with::<L>(ray, |hit| hits.push(hit));
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+    }
+
+    #[inline(always)]
+    fn visit_hits_with<L: Lanes>(&self, ray: &Ray, mut visit: impl FnMut(MeshHit)) {
         let mut shear = None;
         traverse::<L, false>(&self.bvh, ray, |block, t_max| {
             let block = &self.blocks[block as usize];
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(found) = block.intersect(shear, t_max) {
-                hits.extend(bits(found.mask).map(|lane| MeshHit {
-                    t: found.t[lane],
-                    triangle: block.ids[lane],
-                    u: found.u[lane],
-                    v: found.v[lane],
-                }));
+                for lane in bits(found.mask) {
+                    let triangle = block.ids[lane];
+                    visit(MeshHit { t: found.t[lane], triangle, u: found.u[lane], v: found.v[lane] });
+                }
             }
             t_max
         });
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
     #[inline(always)]

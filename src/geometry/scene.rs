@@ -212,13 +212,12 @@ impl SceneGeometry {
         Some(to_world(instance, transform, hit))
     }
 
-    /// All hits of one instance, sorted by distance, in place of what `hits` held.
-    pub fn intersect_all_of(&self, instance: u32, ray: &Ray, hits: &mut Vec<Hit>) {
+    /// Visits all hits of one instance, in no order that means anything.
+    #[inline]
+    pub fn visit_hits_of(&self, instance: u32, ray: &Ray, mut visit: impl FnMut(Hit)) {
         let transform = self.transform(instance);
-        let mut local = Vec::new();
-        self.mesh_of(instance).intersect_all(&transform.inverse_ray(ray), &mut local);
-        hits.clear();
-        hits.extend(local.into_iter().map(|hit| to_world(instance, transform, hit)));
+        let visit_local = |hit| visit(to_world(instance, transform, hit));
+        self.mesh_of(instance).visit_hits(&transform.inverse_ray(ray), visit_local);
     }
 
     /// The point of a hit in world space.

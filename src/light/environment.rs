@@ -21,6 +21,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use super::irradiance::Irradiance;
 use crate::sampling::{Distribution2D, Frame, atan2, warp};
 use crate::scene::EnvironmentDescription;
 
@@ -137,6 +138,15 @@ impl Environment {
         }
     }
 
+    /// About the irradiance of a surface with that unit normal, channel mean: positive wherever there is light.
+    #[inline]
+    pub fn irradiance(&self, normal: Vec3) -> f32 {
+        match self {
+            Self::Map(map) => map.irradiance.towards(normal),
+            _ => PI * self.mean_radiance(),
+        }
+    }
+
     /// Power in watts (channel mean) that enters a sphere of the given radius: 4π² r² L.
     pub fn power(&self, scene_radius: f32) -> f32 {
         4.0 * PI * PI * scene_radius * scene_radius * self.mean_radiance()
@@ -159,6 +169,7 @@ pub struct EnvironmentMap {
     density_scale: f32,
     mean_radiance: f32,
     effective_solid_angle: f32,
+    irradiance: Irradiance,
     repaired: usize,
 }
 
@@ -210,16 +221,20 @@ impl EnvironmentMap {
         let mean_density = cells.total() / (width as f64 * height as f64);
         let mean_radiance = sphere_mean(&edges, &pixels, width);
         let effective_solid_angle = effective_solid_angle(&pixels, width) as f32;
+        let rotation = (rotation.cos(), rotation.sin());
+        let irradiance =
+            Irradiance::of_map(width, height, |d| turn(rotation, d), |texel| mean(pixels[texel]));
         Some(Self {
             width,
             height,
             pixels,
-            rotation: (rotation.cos(), rotation.sin()),
+            rotation,
             cells,
             sin_rows: sin_rows.iter().map(|&s| s as f32).collect(),
             density_scale: (1.0 / mean_density) as f32,
             mean_radiance: mean_radiance as f32,
             effective_solid_angle,
+            irradiance,
             repaired,
         })
     }
@@ -312,11 +327,9 @@ impl EnvironmentMap {
         top.lerp(bottom, footprint.fraction.y)
     }
 
-    /// A positive rotation turns the map's content counter-clockwise seen from above: right-handed about +Y.
     #[inline]
     fn to_world(&self, d: Vec3) -> Vec3 {
-        let (cos, sin) = self.rotation;
-        Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
+        turn(self.rotation, d)
     }
 
     #[inline]
@@ -324,6 +337,12 @@ impl EnvironmentMap {
         let (cos, sin) = self.rotation;
         Vec3::new(cos * d.x - sin * d.z, d.y, cos * d.z + sin * d.x)
     }
+}
+
+/// A positive rotation turns the map's content counter-clockwise seen from above: right-handed about +Y.
+#[inline]
+fn turn((cos, sin): (f32, f32), d: Vec3) -> Vec3 {
+    Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
 }
 
 /// v of the edges of the rows of cells: the poles and the centres of the rows of texels.

@@ -331,25 +331,37 @@ impl Lights {
         pdf * probability * choice.groups.probability(EMITTERS)
     }
 
+    /// About the irradiance of a surface there if nothing is in the way, channel mean. Zero only where no light reaches
+    /// that side.
+    pub fn irradiance_estimate(&self, point: Vec3, normal: Vec3) -> f32 {
+        let punctual = if self.punctual_table.is_some() {
+            self.punctual_cluster.importance(point)
+        } else {
+            self.punctual.iter().map(|light| facing_irradiance(light, point, Some(normal))).sum()
+        };
+        let emitters = if self.emitter_table.is_some() {
+            self.emitter_cluster.importance(point)
+        } else {
+            self.emitters.iter().map(|e| e.importance(point, Some(normal))).sum()
+        };
+        self.environment.irradiance(normal) + punctual + emitters
+    }
+
     #[inline]
     fn choice(&self, anchor: &Anchor) -> Choice {
         let Anchor { point, normal } = *anchor;
-        let facing = |direction: Vec3| normal.map_or(1.0, |n| n.dot(direction).max(0.0));
         let punctual = self.punctual_table.is_none().then(|| {
             Mixture::new(
                 LIGHT_DEFENSIVE,
-                self.punctual.iter().map(|light| {
-                    punctual::irradiance(light, point)
-                        .map_or(0.0, |p| p.irradiance.element_sum() / 3.0 * facing(p.direction))
-                }),
+                self.punctual.iter().map(|light| facing_irradiance(light, point, normal)),
             )
         });
         let emitters = self.emitter_table.is_none().then(|| {
             Mixture::new(LIGHT_DEFENSIVE, self.emitters.iter().map(|e| e.importance(point, normal)))
         });
         // Irradiance of a surface, fluence where there is none.
-        let solid_angle = if normal.is_some() { std::f32::consts::PI } else { 4.0 * std::f32::consts::PI };
-        let environment = self.environment.mean_radiance() * solid_angle;
+        let everywhere = || self.environment.mean_radiance() * 4.0 * std::f32::consts::PI;
+        let environment = normal.map_or_else(everywhere, |n| self.environment.irradiance(n));
         let of = |few: &Option<Mixture>, many: &Cluster| {
             few.as_ref().map_or_else(|| many.importance(point), Mixture::sum)
         };
@@ -359,6 +371,12 @@ impl Lights {
         );
         Choice { groups, punctual, emitters }
     }
+}
+
+/// Irradiance (fluence without a normal) that a punctual light makes where nothing is in the way, channel mean.
+fn facing_irradiance(light: &PunctualLight, point: Vec3, normal: Option<Vec3>) -> f32 {
+    let facing = |direction: Vec3| normal.map_or(1.0, |n| n.dot(direction).max(0.0));
+    punctual::irradiance(light, point).map_or(0.0, |p| p.irradiance.element_sum() / 3.0 * facing(p.direction))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 pub mod beacon;
 pub mod emitter;
 pub mod environment;
+mod irradiance;
 pub mod lights;
 mod mixture;
 mod nearest;

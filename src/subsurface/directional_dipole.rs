@@ -2,14 +2,15 @@
 //! S = F_t(ω_o) (S_d + S_δ) F_t(ω_i).
 //!
 //! S_d ([`diffusion::DirectionalDipole`]) depends on both points, both normals and the direction of the refracted light, so
-//! there is no radial profile to sample and no fixed lobe of incidence. Radii come from its profile under normal
-//! incidence, one crossing of the line is kept by S_d of light along its normal, and the path goes on through the lobe
-//! F_t(ω_i) S_d(x_i, ω_i; x_o) cos θ_i. Single scattering is in S_d.
+//! there is no radial profile to sample and no fixed lobe of incidence. Points are searched for as if it had its profile on
+//! a plane under normal incidence, and the path goes on through the lobe F_t(ω_i) S_d(x_i, ω_i; x_o) cos θ_i. Single
+//! scattering is in S_d.
 //!
 //! S_δ is the light that crosses the object without being scattered, e^{−σt s}: with the probability of a weight of its own
 //! the path goes straight on to the boundary instead.
 
-use super::exit_search::{Candidate, ExitSearch};
+use super::exit_search::ExitSearch;
+use super::spectral::{Coefficients, draw_flight};
 use super::tables::{PerMedium, Tables, coefficients_at};
 use super::{
     Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel, TexturedMedium,
@@ -20,12 +21,6 @@ use crate::optics::{ExitLobe, fresnel};
 use crate::sampling::{Sampler, orthonormal_basis};
 use crate::scene::{Scene, Surface};
 use glam::{DVec3, Mat3, Vec3};
-use std::f32::consts::PI;
-
-/// Mean free paths of the clearest channel after which light that is not scattered no longer counts: e^{−20} = 2·10⁻⁹.
-const OPAQUE: f32 = 20.0;
-/// Share of the radial profile in what a crossing is kept by: S_d is zero for some directions and not for others.
-const DEFENSIVE: f32 = 0.2;
 
 /// The directional dipole.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +41,7 @@ impl SubsurfaceModel for DirectionalDipole {
         };
         Box::new(Directional {
             tables: Tables::new(scene, Box::new(profile)),
-            moments: PerMedium::new(scene),
+            formulas: PerMedium::new(scene),
             fallback: RandomWalk.prepare(scene),
         })
     }
@@ -54,9 +49,39 @@ impl SubsurfaceModel for DirectionalDipole {
 
 struct Directional {
     tables: Tables,
-    /// Of η and of 1/η.
-    moments: PerMedium<[Moments; 2]>,
+    formulas: PerMedium<Formulas>,
     fallback: Box<dyn Propagator>,
+}
+
+/// What does not depend on positions.
+struct Formulas {
+    /// Of η and of 1/η.
+    moments: [Moments; 2],
+    untextured: [diffusion::DirectionalDipole; 3],
+}
+
+impl Formulas {
+    fn new(flight: &Flight<'_>) -> Self {
+        let eta = f64::from(flight.eta);
+        let moments = [Moments::exact(eta), Moments::exact(1.0 / eta)];
+        Self { moments, untextured: of_channels(&flight.coefficients(), moments) }
+    }
+
+    /// The formulas for light that comes in at a position.
+    fn at(&self, flight: &Flight<'_>, position: Vec3) -> [diffusion::DirectionalDipole; 3] {
+        if flight.is_textured() {
+            of_channels(&coefficients_at(flight, position), self.moments)
+        } else {
+            self.untextured
+        }
+    }
+}
+
+fn of_channels(
+    c: &[diffusion::Coefficients; 3],
+    [inside, outside]: [Moments; 2],
+) -> [diffusion::DirectionalDipole; 3] {
+    [0, 1, 2].map(|i| diffusion::DirectionalDipole::with_moments(&c[i], inside, outside))
 }
 
 /// S_d towards one x_o.
@@ -104,12 +129,12 @@ impl Propagator for Directional {
         };
         let tables = self.tables.of(flight);
         let scattered = (head.throughput * tables.total()).element_sum();
-        if let Some((hit, transmittance)) = unscattered(flight, head, sampler) {
-            let straight = (head.throughput * transmittance).element_sum();
+        if let Some((hit, share)) = unscattered(flight, head, sampler) {
+            let straight = (head.throughput * share).element_sum();
             let probability = straight / (straight + scattered);
             if sampler.rng().f32() < probability {
                 head.position += head.direction * hit.t;
-                head.throughput *= transmittance / probability;
+                head.throughput *= share / probability;
                 return Arrival::Surface(hit);
             }
             head.throughput /= 1.0 - probability;
@@ -132,30 +157,20 @@ impl Directional {
         let from = Surface::new(scene, hit);
         let radii = tables.radii(head.throughput)?;
         let search = ExitSearch::new(scene, hit.instance, from.position, from.geometric_normal, &radii);
-        let eta = f64::from(flight.eta);
-        let [inside, outside] =
-            *self.moments.get(flight, || [Moments::exact(eta), Moments::exact(1.0 / eta)]);
-        let towards = |position: Vec3| Towards {
-            channels: coefficients_at(flight, position)
-                .map(|c| diffusion::DirectionalDipole::with_moments(&c, inside, outside)),
-            exit: directional::Exit { x: (from.position - position).as_dvec3(), n: from.normal.as_dvec3() },
-        };
-        let exitance = 4.0 * PI * outside.c_phi() as f32;
-        let along_normal = |c: &Candidate| {
-            let n = c.normal.as_dvec3();
-            let radial = self.tables.reflectance(flight, tables, c);
-            exitance * towards(c.position).s_d(n, n) + DEFENSIVE * radial
-        };
-        let found = search.find(head.throughput, sampler, along_normal)?;
+        let found = search.find(head.throughput, sampler, |c| self.tables.reflectance(flight, tables, c))?;
         let surface = Surface::new(scene, &found.candidate.hit);
         let (x, y) = orthonormal_basis(surface.normal);
         let tint = scene.base_color(&surface).truncate();
-        // The weight under normal incidence; what the lobe says of a direction is relative to it.
-        let weight = found.reflectance * found.inverse_pdf;
-        head.throughput *= weight * tint;
+        // The weight of the profile; what the lobe says is relative to it.
+        head.throughput *= found.reflectance * tint * found.inverse_pdf;
+        let position = found.candidate.position;
+        let towards = Towards {
+            channels: self.formulas.get(flight, || Formulas::new(flight)).at(flight, position),
+            exit: directional::Exit { x: (from.position - position).as_dvec3(), n: from.normal.as_dvec3() },
+        };
         let eta = flight.eta;
         let lobe = Lobe {
-            towards: towards(found.candidate.position),
+            towards,
             frame: Mat3::from_cols(x, y, surface.normal),
             eta,
             scale: Vec3::select(
@@ -168,22 +183,31 @@ impl Directional {
     }
 }
 
-/// Where the path leaves the object if it is not scattered, and the share of it that is not.
+/// Where the path leaves the object if it is not scattered, and the share of it that is not, over the probability of
+/// having looked: a free flight is drawn, and what it does not reach is not looked for.
 fn unscattered(flight: &Flight<'_>, head: &PathHead, sampler: &mut Sampler) -> Option<(Hit, Vec3)> {
     let geometry = &flight.scene.geometry;
-    let sigma_t = flight.medium.sigma_t;
-    let clearest = if flight.is_textured() { 0.0 } else { sigma_t.min_element() };
-    let ray = Ray { origin: head.position, direction: head.direction, t_max: OPAQUE / clearest };
+    let textured = flight.is_textured();
+    let medium = flight.medium;
+    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
+    let beta = head.throughput.into();
+    let t_max = if textured {
+        f32::INFINITY
+    } else {
+        draw_flight(sampler.rng()) * c.draw_mean_free_path(beta, sampler.rng())
+    };
+    let ray = Ray { origin: head.position, direction: head.direction, t_max };
     let hit = if flight.object.isolated {
         geometry.intersect_instance(flight.enclosure.instance, &ray)
     } else {
         geometry.intersect(&ray)
     }?;
-    let transmittance = if flight.is_textured() {
+    let share = if textured {
         let mut medium = TexturedMedium::new(flight.scene, flight.enclosure);
         medium.transmittance(ray.origin, ray.direction, hit.t, sampler.rng())
     } else {
-        (-sigma_t * hit.t).exp()
+        let carried = head.throughput.cmpgt(Vec3::ZERO);
+        Vec3::select(carried, Vec3::from(c.weigh(beta, 0, hit.t)) / head.throughput, Vec3::ZERO)
     };
-    (transmittance.max_element() > 0.0).then_some((hit, transmittance))
+    (share.is_finite() && share.max_element() > 0.0).then_some((hit, share))
 }

@@ -1,7 +1,7 @@
 //! The exit-point search: its density is that of its samples, on any mesh, and it integrates profiles exactly.
 
 use crate::lab::*;
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use nephrite::geometry::Hit;
 use nephrite::optics::diffusion::{BetterDipole, Coefficients, RadialProfile, TabulatedProfile};
 use nephrite::sampling::SmallRng;
@@ -21,8 +21,8 @@ fn scene_of(meshes: Vec<MeshDescription>) -> Scene {
 }
 
 /// Counts how often each triangle of instance 0 is hit by lines about a point of `from`, and compares with the integral
-/// of the density over the triangle. A line meets a triangle at most once, so the counts are binomial: |z| < 5 in each of
-/// at most 1300 triangles (confidence 0.9992 in all).
+/// of the density over the triangle. A line meets a triangle at most once, so the counts are sums of binomials: |z| < 5 in
+/// each of at most 1300 triangles (confidence 0.9992 in all).
 fn density_is_that_of_the_lines(scene: &Scene, from: u32, what: &str) {
     let table = TabulatedProfile::new(&BetterDipole::new(&MEDIUM)).expect("scatters");
     let radii = Radii::new([(&table, 1.0)].into_iter()).expect("weights");
@@ -32,10 +32,11 @@ fn density_is_that_of_the_lines(scene: &Scene, from: u32, what: &str) {
     let mut counts = vec![0u32; mesh.triangle_count()];
     let mut rng = SmallRng::new(9);
     for _ in 0..LINES {
-        for c in search.candidates_of(rng.f32(), rng.f32(), rng.vec2()) {
+        let (u_part, u) = (rng.f32(), rng.vec2());
+        search.visit(u_part, u, &mut rng, |c| {
             assert_eq!(c.hit.instance, 0);
             counts[c.hit.triangle as usize] += 1;
-        }
+        });
     }
     let (mut worst, mut tested) = (0.0f64, 0);
     for (triangle, &count) in counts.iter().enumerate() {
@@ -143,9 +144,11 @@ fn searches_integrate_profiles_over_meshes() {
         let search = ExitSearch::new(&scene, 0, at.position, at.geometric_normal, &radii);
         let (mut sum, mut squares) = (0.0, 0.0);
         for _ in 0..LINES {
-            let found = search.candidates_of(rng.f32(), rng.f32(), Vec2::new(rng.f32(), rng.f32()));
-            let value: f64 =
-                found.iter().map(|c| profile.eval(f64::from(c.distance).max(1e-7)) / f64::from(c.pdf)).sum();
+            let mut value = 0.0;
+            let (u_part, u) = (rng.f32(), rng.vec2());
+            search.visit(u_part, u, &mut rng, |c| {
+                value += profile.eval(f64::from(c.distance).max(1e-7)) / f64::from(c.pdf);
+            });
             sum += value;
             squares += value * value;
         }

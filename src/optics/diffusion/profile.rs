@@ -69,6 +69,7 @@ pub struct TabulatedProfile {
     tail: f32,
     tail_length: f32,
     max_radius: f32,
+    near_radius: f32,
 }
 
 /// Radii in a table, without 0.
@@ -80,6 +81,8 @@ const INNER: f64 = 1e-4;
 const OUTER: f64 = 2e-5;
 /// Share of the energy inside [`TabulatedProfile::max_radius`].
 const HELD: f32 = 0.9995;
+/// Share of the energy inside [`TabulatedProfile::near_radius`].
+const NEAR: f32 = 0.9;
 /// Densities per area grow as 1/r towards the beam; nearer than this, m, they stay what they are there, so that they
 /// are finite in single precision.
 const NEAREST_RADIUS: f32 = 1e-20;
@@ -128,8 +131,10 @@ impl TabulatedProfile {
             tail: (tail / sum) as f32,
             tail_length: if tail > 0.0 { (tail / last) as f32 } else { 0.0 },
             max_radius: 0.0,
+            near_radius: 0.0,
         };
         table.max_radius = table.sample(HELD);
+        table.near_radius = table.sample(NEAR);
         Some(table)
     }
 
@@ -143,6 +148,12 @@ impl TabulatedProfile {
     #[inline]
     pub fn max_radius(&self) -> f32 {
         self.max_radius
+    }
+
+    /// The radius in m that holds 90 % of the energy.
+    #[inline]
+    pub fn near_radius(&self) -> f32 {
+        self.near_radius
     }
 
     /// A radius in m of density [`TabulatedProfile::pdf_radius`], for `u` in \[0, 1).
@@ -168,6 +179,12 @@ impl TabulatedProfile {
     /// Density of the sampled radius at `r` ≥ 0 in m, 1/m; integrates to 1.
     #[inline]
     pub fn pdf_radius(&self, r: f32) -> f32 {
+        self.pdf_radius_at(r, r.log2())
+    }
+
+    /// The same where log2 r is known already.
+    #[inline]
+    fn pdf_radius_at(&self, r: f32, log_r: f32) -> f32 {
         let last = self.nodes.len() - 1;
         if r >= self.nodes[last].r {
             return if self.tail > 0.0 {
@@ -177,7 +194,7 @@ impl TabulatedProfile {
             };
         }
         // log2 is rounded: the cell may be one off.
-        let guess = if r < self.nodes[1].r { 0.0 } else { 1.0 + (r.log2() - self.first) * self.density };
+        let guess = if r < self.nodes[1].r { 0.0 } else { 1.0 + (log_r - self.first) * self.density };
         let mut k = (guess as usize).min(last - 1);
         if r < self.nodes[k].r {
             k -= 1;
@@ -191,8 +208,14 @@ impl TabulatedProfile {
     /// Density per unit area at distance `r` in m, 1/m²: `pdf_radius(r)/(2πr)`.
     #[inline]
     pub fn pdf_area(&self, r: f32) -> f32 {
+        self.pdf_area_at(r, r.log2())
+    }
+
+    /// The same where log2 r is known already.
+    #[inline]
+    pub fn pdf_area_at(&self, r: f32, log_r: f32) -> f32 {
         let r = r.max(NEAREST_RADIUS);
-        self.pdf_radius(r) / (std::f32::consts::TAU * r)
+        self.pdf_radius_at(r, log_r) / (std::f32::consts::TAU * r)
     }
 
     /// R(r) of the table, 1/m²: `total × pdf_area(r)`.
