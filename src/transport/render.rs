@@ -47,6 +47,24 @@ pub struct RenderOptions {
     pub aim: bool,
 }
 
+impl RenderOptions {
+    /// 640 × 480 pixels of 64 samples with the random walk, all threads and nothing cut off.
+    pub fn new(camera: CameraDescription) -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            spp: 64,
+            seed: 0,
+            threads: 0,
+            camera,
+            subsurface: "random-walk".to_owned(),
+            max_depth: 100_000,
+            microfacet: Microfacet::Multiple,
+            aim: true,
+        }
+    }
+}
+
 /// Progress and cancellation, from whoever waits.
 pub trait RenderControl: Sync {
     /// Called now and then with the samples done so far and in all.

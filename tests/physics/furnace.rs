@@ -2,8 +2,12 @@
 
 use crate::lab::*;
 use glam::{Affine3A, Vec3};
-use nephrite::scene::{EnvironmentDescription, MeshDescription, Scene, SceneDescription};
+use nephrite::asset::{self, LoadOptions};
+use nephrite::scene::{
+    CameraDescription, EnvironmentDescription, MeshDescription, Scene, SceneDescription, auto_camera,
+};
 use nephrite::transport::{RenderOptions, render};
+use std::path::Path;
 
 /// Scattering that differs between the channels by a factor of ten: weights that gain or lose show as colour.
 const SIGMA_S: Vec3 = Vec3::new(50.0, 150.0, 500.0);
@@ -23,8 +27,11 @@ const PICTURES: u32 = 16;
 
 /// Renders pictures and asserts that each pixel is 1, and the mean of all of them within `tolerance`.
 fn furnace(scene: SceneDescription, tolerance: f64, what: &str) {
+    furnace_seen_from(ortho(Vec3::new(-0.4, -0.3, -0.9), 0.2, 0.022), scene, tolerance, what);
+}
+
+fn furnace_seen_from(camera: CameraDescription, scene: SceneDescription, tolerance: f64, what: &str) {
     let scene = Scene::build(scene).expect("builds");
-    let camera = ortho(Vec3::new(-0.4, -0.3, -0.9), 0.2, 0.022);
     let options = options(camera, 32, 16);
     let spp = {
         let pilot = measure(&scene, &RenderOptions { seed: 99, ..options.clone() });
@@ -107,6 +114,40 @@ fn rough_boundaries_conserve_energy() {
         of_glass(icosphere(0.02, 3, true), SIGMA_S, ior, roughness, ROUGH);
         of_glass(cuboid(Vec3::splat(0.02)), SIGMA_S, ior, roughness, ROUGH);
     }
+}
+
+/// The largest mesh with a medium of every sample, with its own shading normals and scale.
+#[test]
+fn sample_meshes_conserve_energy() {
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let mut tested = 0;
+    for entry in std::fs::read_dir(samples).expect("samples") {
+        let folder = entry.expect("an entry").path();
+        let name = folder.file_name().expect("a name").to_string_lossy().into_owned();
+        let Ok(loaded) = asset::load(&folder.join(format!("{name}.glb")), &LoadOptions::default()) else {
+            continue;
+        };
+        let scene = loaded.scene;
+        let has_medium = |mesh: &&MeshDescription| {
+            let mut own = mesh.triangle_materials.iter();
+            own.any(|&m| scene.materials.get(m as usize).is_some_and(|m| m.medium.is_some()))
+        };
+        let largest = scene.meshes.iter().filter(has_medium).max_by_key(|mesh| mesh.triangles.len());
+        let Some(mut mesh) = largest.cloned() else { continue };
+        let low = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let high = mesh.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        mesh.triangle_materials.fill(0);
+        let sigma_s = MILD_SIGMA_S * (0.05 / (high - low).length());
+        for (roughness, tolerance) in [(0.0, SMOOTH), (0.4, ROUGH)] {
+            let material = subsurface(Vec3::ZERO, sigma_s, 0.3, 1.5, roughness);
+            let white = EnvironmentDescription::Constant(Vec3::ONE);
+            let what = format!("{name} roughness {roughness}");
+            let camera = auto_camera(low, high, 1.0);
+            furnace_seen_from(camera, single(mesh.clone(), material, white), tolerance, &what);
+        }
+        tested += 1;
+    }
+    assert!(tested >= 7, "only {tested} samples have a medium");
 }
 
 #[test]

@@ -294,3 +294,25 @@ fn an_open_mesh_renders() {
         assert!(rendered.film.mean().iter().all(|&m| m > 0.01 && m < 2.0), "{:?}", rendered.film.mean());
     }
 }
+
+/// Light comes in through the hole of an open mesh: the same light, whether it is looked for as one radiance or as a map.
+#[test]
+fn open_meshes_let_light_in() {
+    let mut mesh = icosphere(0.02, 3, false);
+    let kept = mesh.triangles.iter().filter(|t| t.iter().any(|&v| mesh.positions[v as usize].z < 0.01));
+    mesh.triangles = kept.copied().collect();
+    mesh.triangle_materials.truncate(mesh.triangles.len());
+    let map = EnvironmentDescription::Map {
+        width: 4,
+        height: 2,
+        pixels: vec![Vec3::splat(0.7); 8],
+        scale: Vec3::ONE,
+        rotation: 0.0,
+    };
+    for roughness in [0.0, 0.4] {
+        let material = subsurface(SIGMA_A, SIGMA_S, 0.4, 1.4, roughness);
+        let of = |environment| single(mesh.clone(), material.clone(), environment);
+        let constant = of(EnvironmentDescription::Constant(Vec3::splat(0.7)));
+        assert_same_pictures(of(map.clone()), constant, 32, &format!("open mesh, roughness {roughness}"));
+    }
+}
