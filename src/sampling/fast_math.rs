@@ -11,10 +11,13 @@ use glam::Vec3A;
 /// Relative error below 3e-7.
 #[inline(always)]
 pub fn exp_negative(x: Vec3A) -> Vec3A {
-    // Four lanes, so that the compiler makes one vector of them.
+    // Four lanes in a loop: the compiler makes one vector of them. (It calls `map` as a function.)
     let [a, b, c] = x.to_array();
-    let [a, b, c, _] = [a, b, c, c].map(exp_lane);
-    Vec3A::new(a, b, c)
+    let mut lanes = [a, b, c, c];
+    for lane in &mut lanes {
+        *lane = exp_lane(*lane);
+    }
+    Vec3A::new(lanes[0], lanes[1], lanes[2])
 }
 
 #[inline(always)]
