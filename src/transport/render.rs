@@ -47,6 +47,16 @@ pub struct RenderOptions {
     pub aim: bool,
 }
 
+impl RenderOptions {
+    /// The threads that will render: as many as asked for, else as the machine has.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        }
+    }
+}
+
 /// Progress and cancellation, from whoever waits.
 pub trait RenderControl: Sync {
     /// Called now and then with the samples done so far and in all.
