@@ -23,6 +23,8 @@ pub(super) enum Command {
     Inspect(InspectArgs),
     /// Render a glTF file with every subsurface model, and measure how far each is from the random walk
     CompareModels(Box<CompareArgs>),
+    /// Measure how far light travels below the surface of a medium: R(r) by every subsurface model
+    Profile(ProfileArgs),
 }
 
 /// What every command that renders has to know of the scene.
@@ -157,6 +159,53 @@ pub(super) struct CompareArgs {
 
     #[command(flatten)]
     pub scene: SceneArgs,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    nephrite profile --medium skim-milk -o milk.png\n  \
+    nephrite profile --medium marble --channel all -o marble.png -o marble.csv\n  \
+    nephrite profile --medium 20,1500,0.4,1.4 -o medium.json --models dipole,better-dipole\n\n\
+    Presets are the media that Jensen et al. measured in 2001:\n  \
+    apple, chicken1, chicken2, cream, ketchup, marble, potato, skim-milk, skin1, skin2, spectralon, whole-milk\n\n\
+    The figure shows R(r), the radiant exitance at distance r from a pencil beam at normal incidence on a half space, for\n\
+    unit power that has crossed the surface: the random walk as points with standard errors, closed forms as lines.")]
+pub(super) struct ProfileArgs {
+    /// A preset, or absorption and scattering coefficients in 1/m, mean cosine of scattering, and index of refraction
+    #[arg(long, value_name = "PRESET|σa,σs,g,η", value_parser = medium)]
+    pub medium: MediumArg,
+
+    /// File to write: .png for the figure, .csv or .json for the numbers; may be repeated
+    #[arg(short, long, required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    /// Channel of a preset: r, g, b or all [default: g]
+    #[arg(long, value_name = "CHANNEL", value_parser = channel)]
+    pub channel: Option<ChannelArg>,
+
+    /// Unit of length of coefficients given by numbers, which are its inverse: m or mm
+    #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
+    pub unit: LengthUnit,
+
+    /// Models to show beside the random walk, separated by commas [default: all]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface)]
+    pub models: Vec<String>,
+
+    /// Paths of the random walk, and of every model that has no closed form
+    #[arg(long, value_name = "N", default_value_t = 500_000, value_parser = clap::value_parser!(u64).range(1000..=1 << 36))]
+    pub paths: u64,
+
+    /// Another seed gives another noise
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+
+    /// Threads; the numbers do not depend on them [default: all]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+
+    /// Neither notes nor progress; warnings and errors remain
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// More samples a pixel than this cannot be doubled and quadrupled.

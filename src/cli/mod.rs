@@ -19,6 +19,7 @@ mod job;
 mod message;
 mod names;
 mod pipeline;
+mod profile;
 mod progress;
 mod render;
 mod setup;
@@ -68,6 +69,7 @@ pub fn main() -> ExitCode {
         args::Command::Render(args) => render::run(*args),
         args::Command::Inspect(args) => inspect::run(&args),
         args::Command::CompareModels(args) => compare::run(*args),
+        args::Command::Profile(args) => profile::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

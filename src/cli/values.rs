@@ -3,6 +3,8 @@
 use super::names;
 use super::pipeline::{Cosines, Microfacet, subsurface_models};
 use crate::film::ToneMap;
+use crate::optics::diffusion::Coefficients;
+use crate::optics::presets::{JENSEN_2001, Preset};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -13,6 +15,30 @@ pub(super) enum EnvArg {
     None,
     Constant(Vec3),
     File(PathBuf),
+}
+
+/// The medium that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum MediumArg {
+    Preset(&'static Preset),
+    /// In the unit that is asked for beside it.
+    Numbers(Coefficients),
+}
+
+/// Which channels of a preset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ChannelArg {
+    Red,
+    Green,
+    Blue,
+    All,
+}
+
+/// The unit whose inverse coefficients have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LengthUnit {
+    Metre,
+    Millimetre,
 }
 
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
@@ -94,6 +120,58 @@ pub(super) fn tone_map(text: &str) -> Result<ToneMap, String> {
     found.ok_or_else(|| names::unknown("tone map", text, ToneMap::ALL.map(ToneMap::name)))
 }
 
+pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
+    if !text.contains(',') {
+        let presets = JENSEN_2001.iter().map(|preset| preset.name);
+        return Preset::named(text).map(MediumArg::Preset).ok_or_else(|| {
+            let unknown = names::unknown("preset", text, presets);
+            format!("{unknown}; or give four numbers σa,σs,g,η")
+        });
+    }
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let [sigma_a, sigma_s, g, eta] = numbers[..] else {
+        return Err("a medium is four numbers: σa,σs,g,η, for example 20,1500,0.4,1.4".to_owned());
+    };
+    let coefficient = |v: f64| (0.0..=MAX_COEFFICIENT).contains(&v);
+    if !(coefficient(sigma_a) && coefficient(sigma_s)) {
+        return Err(format!("σa and σs are between 0 and {MAX_COEFFICIENT:e}"));
+    }
+    if sigma_s == 0.0 {
+        return Err("a medium that does not scatter (σs = 0) has no profile".to_owned());
+    }
+    if !(-MAX_ANISOTROPY..=MAX_ANISOTROPY).contains(&g) {
+        return Err(format!("g is between −{MAX_ANISOTROPY} and {MAX_ANISOTROPY}"));
+    }
+    if !(1.0..=MAX_INDEX).contains(&eta) {
+        return Err(format!("η is between 1 and {MAX_INDEX}"));
+    }
+    Ok(MediumArg::Numbers(Coefficients { sigma_a, sigma_s, g, eta }))
+}
+
+/// Coefficients above this are a typing error; so is a mean cosine nearer to 1, whose walks would not end.
+const MAX_COEFFICIENT: f64 = 1e12;
+const MAX_ANISOTROPY: f64 = 0.99;
+/// Diamond has 2.4.
+const MAX_INDEX: f64 = 4.0;
+
+pub(super) fn channel(text: &str) -> Result<ChannelArg, String> {
+    match text {
+        "r" => Ok(ChannelArg::Red),
+        "g" => Ok(ChannelArg::Green),
+        "b" => Ok(ChannelArg::Blue),
+        "all" => Ok(ChannelArg::All),
+        _ => Err(names::unknown("channel", text, ["r", "g", "b", "all"])),
+    }
+}
+
+pub(super) fn length_unit(text: &str) -> Result<LengthUnit, String> {
+    match text {
+        "m" => Ok(LengthUnit::Metre),
+        "mm" => Ok(LengthUnit::Millimetre),
+        _ => Err(names::unknown("unit", text, ["m", "mm"])),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +193,20 @@ mod tests {
             ("nan,1,1", "R,G,B"),
         ] {
             let error = environment(wrong).unwrap_err();
+            assert!(error.contains(advice), "{wrong}: {error}");
+        }
+        let numbers = Coefficients { sigma_a: 20.0, sigma_s: 1500.0, g: 0.4, eta: 1.4 };
+        assert_eq!(medium("20, 1500,0.4,1.4"), Ok(MediumArg::Numbers(numbers)));
+        for (wrong, advice) in [
+            ("skimmilk", "did you mean skim-milk"),
+            ("1,2,3", "four numbers"),
+            ("1,x,0,1.3", "four numbers"),
+            ("-1,2,0,1.3", "σa"),
+            ("1,0,0,1.3", "scatter"),
+            ("1,2,1,1.3", "g is"),
+            ("1,2,0,nan", "η is"),
+        ] {
+            let error = medium(wrong).unwrap_err();
             assert!(error.contains(advice), "{wrong}: {error}");
         }
         assert!(tone_map("acess").unwrap_err().contains("did you mean aces"));

@@ -2,7 +2,7 @@
 //! scattering": R(r) = A (e^{−r/d} + e^{−r/3d}) / (8π d r) with d from one of three fits. A is the albedo that the surface
 //! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared.
 
-use super::radial::{Formula, Radial};
+use super::radial::{self, Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{
     BetterDipole, Coefficients, NormalizedDiffusion as Profile, RadialProfile, ScaleFit,
@@ -33,6 +33,10 @@ impl SubsurfaceModel for NormalizedDiffusion {
             ScaleFit::SearchlightMfp => "the same, fit for perpendicular light by mean free path",
             ScaleFit::SearchlightDmfp => "the same, fit for perpendicular light by diffuse mean free path",
         }
+    }
+
+    fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        radial::closed_form(self, c)
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {

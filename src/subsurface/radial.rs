@@ -8,7 +8,7 @@
 use super::exit_search::ExitSearch;
 use super::tables::Tables;
 use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
-use crate::optics::diffusion::{Coefficients, RadialProfile};
+use crate::optics::diffusion::{self, Coefficients, RadialProfile};
 use crate::optics::{DiffuseExit, fresnel};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
@@ -25,6 +25,34 @@ pub trait Formula: Clone + Send + Sync + 'static {
     /// Whether single scattering is added along the refracted ray.
     fn adds_single_scattering(&self) -> bool {
         false
+    }
+}
+
+/// The profile that a formula renders: [`SubsurfaceModel::closed_form`](super::SubsurfaceModel::closed_form) of a
+/// radial model. `None` where single scattering is added, which has none.
+pub fn closed_form(formula: &impl Formula, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+    if formula.adds_single_scattering() {
+        return None;
+    }
+    let profile = formula.profile(c);
+    let kept =
+        if formula.normalized() { 1.0 } else { 1.0 - diffusion::fresnel::diffuse_reflectance(1.0 / c.eta) };
+    Some(Box::new(Scaled { profile, kept }))
+}
+
+/// A profile of which a share is lost at the boundary.
+struct Scaled {
+    profile: Box<dyn RadialProfile>,
+    kept: f64,
+}
+
+impl RadialProfile for Scaled {
+    fn eval(&self, r: f64) -> f64 {
+        self.kept * self.profile.eval(r)
+    }
+
+    fn total(&self) -> f64 {
+        self.kept * self.profile.total()
     }
 }
 
