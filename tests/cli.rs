@@ -2,6 +2,8 @@
 
 #[path = "cli/compare_models.rs"]
 mod compare_models;
+#[path = "cli/profile.rs"]
+mod profile;
 mod util;
 
 use util::{Sandbox, exr_channel, triangle};

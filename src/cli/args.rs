@@ -133,8 +133,8 @@ pub(super) struct RenderArgs {
 #[command(after_help = "Examples:\n  \
     nephrite compare-models jade.glb -o jade-models.png\n  \
     nephrite compare-models jade.glb -o jade.png --models dipole,better-dipole --spp 256\n\n\
-    The sheet shows each model's picture, below it the difference to the reference in false colour (red is brighter,\n\
-    blue is darker), its time, and its relative mean squared error. The numbers are also written beside the sheet, as\n\
+    The sheet shows each model's picture, below it the difference to the reference in false colour (red is brighter, \
+    blue is darker), its time, and its relative mean squared error. The numbers are also written beside the sheet, as \
     .json and .csv: with -o sheet.png, sheet.json and sheet.csv.")]
 pub(super) struct CompareArgs {
     /// Contact sheet to write, a .png; the same name with .json and .csv gets the numbers
@@ -168,7 +168,7 @@ pub(super) struct CompareArgs {
     nephrite profile --medium 20,1500,0.4,1.4 -o medium.json --models dipole,better-dipole\n\n\
     Presets are the media that Jensen et al. measured in 2001:\n  \
     apple, chicken1, chicken2, cream, ketchup, marble, potato, skim-milk, skin1, skin2, spectralon, whole-milk\n\n\
-    The figure shows R(r), the radiant exitance at distance r from a pencil beam at normal incidence on a half space, for\n\
+    The figure shows R(r), the radiant exitance at distance r from a pencil beam at normal incidence on a half space, for \
     unit power that has crossed the surface: the random walk as points with standard errors, closed forms as lines.")]
 pub(super) struct ProfileArgs {
     /// A preset, or absorption and scattering coefficients in 1/m, mean cosine of scattering, and index of refraction

@@ -1,7 +1,7 @@
 //! `better-dipole`: d'Eon 2012, "A better dipole": Grosjean's diffusion coefficient, exact Fresnel moments, exitance from
 //! flux and fluence. The profile is what leaves the surface, so the exit lobe is normalised.
 
-use super::radial::{self, Formula, Radial};
+use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{self, Coefficients, RadialProfile};
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ impl SubsurfaceModel for BetterDipole {
     }
 
     fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
-        radial::closed_form(self, c)
+        Radial::closed_form(self, c)
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {

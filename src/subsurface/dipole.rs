@@ -5,7 +5,7 @@
 //! S_d transmits diffuse light a second time that R_d already counts as transmitted, so it loses 1 − F̄ of it: that is
 //! how the model is printed, and how it is here.
 
-use super::radial::{self, Formula, Radial};
+use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{ClassicalDipole, Coefficients, RadialProfile};
 use crate::scene::Scene;
@@ -31,7 +31,7 @@ impl SubsurfaceModel for Dipole {
     }
 
     fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
-        radial::closed_form(self, c)
+        Radial::closed_form(self, c)
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {

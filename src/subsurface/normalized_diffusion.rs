@@ -2,7 +2,7 @@
 //! scattering": R(r) = A (e^{−r/d} + e^{−r/3d}) / (8π d r) with d from one of three fits. A is the albedo that the surface
 //! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared.
 
-use super::radial::{self, Formula, Radial};
+use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{
     BetterDipole, Coefficients, NormalizedDiffusion as Profile, RadialProfile, ScaleFit,
@@ -36,7 +36,7 @@ impl SubsurfaceModel for NormalizedDiffusion {
     }
 
     fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
-        radial::closed_form(self, c)
+        Radial::closed_form(self, c)
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {

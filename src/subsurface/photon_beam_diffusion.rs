@@ -1,7 +1,7 @@
 //! `photon-beam-diffusion`: Habel, Christensen & Jarosz 2013: dipoles strung along the refracted beam, and its single
 //! scattering, both as a radial profile for normal incidence.
 
-use super::radial::{self, Formula, Radial};
+use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{Coefficients, PhotonBeam, RadialProfile, SingleScattering};
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ impl SubsurfaceModel for PhotonBeamDiffusion {
     }
 
     fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
-        radial::closed_form(self, c)
+        Radial::closed_form(self, c)
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {

@@ -28,18 +28,6 @@ pub trait Formula: Clone + Send + Sync + 'static {
     }
 }
 
-/// The profile that a formula renders: [`SubsurfaceModel::closed_form`](super::SubsurfaceModel::closed_form) of a
-/// radial model. `None` where single scattering is added, which has none.
-pub fn closed_form(formula: &impl Formula, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
-    if formula.adds_single_scattering() {
-        return None;
-    }
-    let profile = formula.profile(c);
-    let kept =
-        if formula.normalized() { 1.0 } else { 1.0 - diffusion::fresnel::diffuse_reflectance(1.0 / c.eta) };
-    Some(Box::new(Scaled { profile, kept }))
-}
-
 /// A profile of which a share is lost at the boundary.
 struct Scaled {
     profile: Box<dyn RadialProfile>,
@@ -65,6 +53,18 @@ pub struct Radial<F> {
 }
 
 impl<F: Formula> Radial<F> {
+    /// What a formula renders, for [`super::SubsurfaceModel::closed_form`]; `None` where single scattering is added,
+    /// which has no closed form as it is connected.
+    pub fn closed_form(formula: &F, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        if formula.adds_single_scattering() {
+            return None;
+        }
+        let profile = formula.profile(c);
+        let lost = diffusion::fresnel::diffuse_reflectance(1.0 / c.eta);
+        let kept = if formula.normalized() { 1.0 } else { 1.0 - lost };
+        Some(Box::new(Scaled { profile, kept }))
+    }
+
     /// Prepares a model for a scene.
     pub fn prepare(formula: F, scene: &Scene) -> Box<dyn Propagator> {
         let profile = formula.clone();

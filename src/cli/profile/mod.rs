@@ -26,9 +26,9 @@ const REFERENCE: &str = "random-walk";
 /// First radius, in transport mean free paths, and bins in a factor of ten.
 const FIRST: f64 = 0.01;
 const BINS_A_DECADE: i32 = 8;
-/// The last radius: diffuse mean free paths, and the least and largest in transport mean free paths.
+/// The last radius in diffuse mean free paths, of which there are √3 in a transport mean free path at most, and in
+/// transport mean free paths at most.
 const LAST: f64 = 12.0;
-const LEAST_LAST: f64 = 5.0;
 const LARGEST_LAST: f64 = 100.0;
 
 /// Where the numbers of a curve come from.
@@ -213,7 +213,7 @@ impl Curve {
 /// Radii from well inside of a transport mean free path to where next to no light is left.
 fn edges(c: &Coefficients) -> Vec<f64> {
     let last = LAST * c.diffuse_mean_free_path() / c.transport_mean_free_path();
-    let last = last.clamp(LEAST_LAST, LARGEST_LAST);
+    let last = last.min(LARGEST_LAST);
     let count = ((last / FIRST).log10() * f64::from(BINS_A_DECADE)).round() as i32;
     (0..=count).map(|i| FIRST * 10f64.powf(f64::from(i) / f64::from(BINS_A_DECADE))).collect()
 }
@@ -239,7 +239,7 @@ mod tests {
     fn bins_end_where_the_light_does() {
         let last =
             |sigma_a: f64| edges(&Coefficients::isotropic(sigma_a, 1000.0, 1.3)).last().copied().unwrap();
-        assert!((last(0.0) / LARGEST_LAST - 1.0).abs() < 0.2 && (last(1e5) / LEAST_LAST - 1.0).abs() < 0.2);
+        assert!((last(0.0) / LARGEST_LAST - 1.0).abs() < 0.2 && (last(1e5) / 6.93 - 1.0).abs() < 0.2);
         assert!(last(1.0) > last(100.0));
     }
 }
