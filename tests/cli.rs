@@ -1,5 +1,9 @@
 //! The program as users have it: what it accepts, what it says, how it ends, and what it leaves behind.
 
+#[path = "cli/compare_models.rs"]
+mod compare_models;
+#[path = "cli/profile.rs"]
+mod profile;
 mod util;
 
 use util::{Sandbox, exr_channel, triangle};
@@ -24,6 +28,7 @@ fn nonsense_on_the_command_line_ends_with_2_and_says_what_is_right() {
         (&["render", "a.gltf", "-o", "a.png", "--tonemap", "acess"], &["did you mean aces"]),
         (&["render", "a.gltf", "-o", "a.png", "--subsurface", "randomwalk"], &["did you mean random-walk"]),
         (&["render", "a.gltf", "-o", "a.png", "--microfacet", "double"], &["single", "multiple"]),
+        (&["render", "a.gltf", "-o", "a.png", "--brdf-cosines", "unrefractd"], &["did you mean unrefracted"]),
         (&["render", "a.gltf", "-o", "a.png", "--env", "studoi"], &["did you mean studio"]),
         (&["render", "a.gltf", "-o", "a.png", "--env", "sky.jpg"], &[".hdr", ".exr"]),
         (&["render", "a.gltf", "-o", "a.png", "--exposure", "bright"], &["--exposure"]),

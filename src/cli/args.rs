@@ -1,10 +1,10 @@
-//! What can be typed. Values are checked here one by one; what they mean together is decided in [`super::job`].
+//! What can be typed. Values are checked one by one in [`super::values`]; what they mean together is decided in
+//! [`super::job`].
 
-use super::names;
-use super::pipeline::{Microfacet, subsurface_models};
+use super::pipeline::{Cosines, Microfacet};
+use super::values::*;
 use crate::film::ToneMap;
 use clap::{Parser, Subcommand};
-use glam::Vec3;
 use std::path::PathBuf;
 
 /// A path tracer for glTF 2.0, made for light that travels below surfaces.
@@ -21,27 +21,17 @@ pub(super) enum Command {
     Render(Box<RenderArgs>),
     /// Say what is in a glTF file, and what will be ignored
     Inspect(InspectArgs),
+    /// Render a glTF file with every subsurface model, and measure how far each is from the random walk
+    CompareModels(Box<CompareArgs>),
+    /// Measure how far light travels below the surface of a medium: R(r) by every subsurface model
+    Profile(ProfileArgs),
 }
 
+/// What every command that renders has to know of the scene.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  \
-    nephrite render jade.glb -o jade.png\n  \
-    nephrite render jade.glb -o jade.exr -o jade.png --size 1920x1080 --spp 512 --env sky.hdr")]
-pub(super) struct RenderArgs {
+pub(super) struct SceneArgs {
     /// The .gltf or .glb file
     pub input: PathBuf,
-
-    /// Picture to write: .exr .png .jpg .hdr; may be repeated
-    #[arg(short, long, required = true, value_name = "FILE")]
-    pub output: Vec<PathBuf>,
-
-    /// Size in pixels; by default the longest side is 1024, with the camera's own aspect ratio or 4:3
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    pub size: Option<(u32, u32)>,
-
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
-    pub spp: u32,
 
     /// Another seed gives another noise
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -72,10 +62,6 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive)]
     pub env_intensity: f32,
 
-    /// How light travels below surfaces
-    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
-    pub subsurface: String,
-
     /// Most events of a path, scatterings included; paths cut off here lose light
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: u32,
@@ -83,6 +69,12 @@ pub(super) struct RenderArgs {
     /// Whether light bounces more than once among the facets of rough surfaces: multiple or single
     #[arg(long, value_name = "MODEL", default_value = "multiple", value_parser = microfacet)]
     pub microfacet: Microfacet,
+
+    /// Which cosines divide single scattering in brdf-approximation and light-biased: refracted, as the formula means
+    /// them, or unrefracted, as it is often read
+    #[arg(long, value_name = "WHICH", default_value = "refracted", value_parser = cosines, hide_short_help = true)]
+    pub brdf_cosines: Cosines,
+
     /// Do not aim paths below a surface at lights (the same picture, noisier; for comparisons)
     #[arg(long, hide_short_help = true)]
     pub no_aim: bool,
@@ -95,14 +87,6 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = number, allow_negative_numbers = true)]
     pub exposure: f32,
 
-    /// Write .exr with 32 bit floats instead of 16 bit ones
-    #[arg(long)]
-    pub float: bool,
-
-    /// Write times, counts and the mean colour as JSON
-    #[arg(long, value_name = "FILE")]
-    pub stats: Option<PathBuf>,
-
     /// Treat what is wrong with the file as an error even where it could be rendered
     #[arg(long)]
     pub strict: bool,
@@ -111,6 +95,121 @@ pub(super) struct RenderArgs {
     #[arg(short, long)]
     pub quiet: bool,
 }
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    nephrite render jade.glb -o jade.png\n  \
+    nephrite render jade.glb -o jade.exr -o jade.png --size 1920x1080 --spp 512 --env sky.hdr")]
+pub(super) struct RenderArgs {
+    /// Picture to write: .exr .png .jpg .hdr; may be repeated
+    #[arg(short, long, required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    /// Size in pixels; by default the longest side is 1024, with the camera's own aspect ratio or 4:3
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+
+    /// How light travels below surfaces
+    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
+    pub subsurface: String,
+
+    #[command(flatten)]
+    pub scene: SceneArgs,
+
+    /// Write .exr with 32 bit floats instead of 16 bit ones
+    #[arg(long)]
+    pub float: bool,
+
+    /// Write times, counts and the mean colour as JSON
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    nephrite compare-models jade.glb -o jade-models.png\n  \
+    nephrite compare-models jade.glb -o jade.png --models dipole,better-dipole --spp 256\n\n\
+    The sheet shows each model's picture, below it the difference to the reference in false colour (red is brighter, \
+    blue is darker), its time, and its relative mean squared error. The numbers are also written beside the sheet, as \
+    .json and .csv: with -o sheet.png, sheet.json and sheet.csv.")]
+pub(super) struct CompareArgs {
+    /// Contact sheet to write, a .png; the same name with .json and .csv gets the numbers
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: PathBuf,
+
+    /// Models to compare, separated by commas [default: all]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface)]
+    pub models: Vec<String>,
+
+    /// Samples a pixel for each model; rounded up to an even number
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=MAX_SPP))]
+    pub spp: u32,
+
+    /// Samples a pixel for the reference, which is a random walk of its own [default: 4 times --spp]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_SPP))]
+    pub reference_spp: Option<u32>,
+
+    /// Size of each picture in pixels; by default the longest side is 480, with the camera's own aspect ratio or 4:3
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+
+    #[command(flatten)]
+    pub scene: SceneArgs,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    nephrite profile --medium skim-milk -o milk.png\n  \
+    nephrite profile --medium marble --channel all -o marble.png -o marble.csv\n  \
+    nephrite profile --medium 20,1500,0.4,1.4 -o medium.json --models dipole,better-dipole\n\n\
+    Presets are the media that Jensen et al. measured in 2001:\n  \
+    apple, chicken1, chicken2, cream, ketchup, marble, potato, skim-milk, skin1, skin2, spectralon, whole-milk\n\n\
+    The figure shows R(r), the radiant exitance at distance r from a pencil beam at normal incidence on a half space, for \
+    unit power that has crossed the surface: the random walk as points with standard errors, closed forms as lines.")]
+pub(super) struct ProfileArgs {
+    /// A preset, or absorption and scattering coefficients in 1/m, mean cosine of scattering, and index of refraction
+    #[arg(long, value_name = "PRESET|σa,σs,g,η", value_parser = medium)]
+    pub medium: MediumArg,
+
+    /// File to write: .png for the figure, .csv or .json for the numbers; may be repeated
+    #[arg(short, long, required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    /// Channel of a preset: r, g, b or all [default: g]
+    #[arg(long, value_name = "CHANNEL", value_parser = channel)]
+    pub channel: Option<ChannelArg>,
+
+    /// Unit of length of coefficients given by numbers, which are its inverse: m or mm
+    #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
+    pub unit: LengthUnit,
+
+    /// Models to show beside the random walk, separated by commas [default: all]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface)]
+    pub models: Vec<String>,
+
+    /// Paths of the random walk, and of every model that has no closed form
+    #[arg(long, value_name = "N", default_value_t = 500_000, value_parser = clap::value_parser!(u64).range(1000..=1 << 36))]
+    pub paths: u64,
+
+    /// Another seed gives another noise
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+
+    /// Threads; the numbers do not depend on them [default: all]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+
+    /// Neither notes nor progress; warnings and errors remain
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// More samples a pixel than this cannot be doubled and quadrupled.
+const MAX_SPP: i64 = 1 << 28;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct InspectArgs {
@@ -126,86 +225,6 @@ pub(super) struct InspectArgs {
     pub json: bool,
 }
 
-/// The light that was asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum EnvArg {
-    Studio,
-    None,
-    Constant(Vec3),
-    File(PathBuf),
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let wrong = || "write it as width x height, for example 1280x720".to_owned();
-    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
-    let side = |s: &str| s.trim().parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(wrong);
-    Ok((side(width)?, side(height)?))
-}
-
-/// More threads than this are a typing error.
-const MAX_THREADS: usize = 4096;
-
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n) if (1..=MAX_THREADS).contains(&n) => Ok(n),
-        _ => Err(format!("a whole number from 1 to {MAX_THREADS} is expected")),
-    }
-}
-
-fn number(text: &str) -> Result<f32, String> {
-    text.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| "a number is expected".to_owned())
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    number(text).ok().filter(|&x| x >= 0.0).ok_or_else(|| "a number of at least 0 is expected".to_owned())
-}
-
-fn environment(text: &str) -> Result<EnvArg, String> {
-    match text {
-        "studio" => return Ok(EnvArg::Studio),
-        "none" => return Ok(EnvArg::None),
-        _ => {}
-    }
-    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-    if let Ok(radiance) = parts.iter().map(|part| positive(part)).collect::<Result<Vec<f32>, _>>() {
-        return match radiance[..] {
-            [r, g, b] => Ok(EnvArg::Constant(Vec3::new(r, g, b))),
-            _ => Err("a radiance has three parts: red,green,blue".to_owned()),
-        };
-    }
-    let path = PathBuf::from(text);
-    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    match extension.as_deref() {
-        Some("hdr" | "exr") => Ok(EnvArg::File(path)),
-        Some(other) => Err(format!("a .{other} file is no environment; .hdr and .exr are")),
-        None => Err(format!(
-            "{}; besides those, a .hdr or .exr file or a radiance R,G,B of at least 0",
-            names::unknown("environment", text, ["studio", "none"])
-        )),
-    }
-}
-
-fn subsurface(text: &str) -> Result<String, String> {
-    let models = subsurface_models();
-    if models.iter().any(|name| name == text) {
-        return Ok(text.to_owned());
-    }
-    Err(names::unknown("subsurface model", text, models.iter().map(String::as_str)))
-}
-
-fn microfacet(text: &str) -> Result<Microfacet, String> {
-    match text {
-        "multiple" => Ok(Microfacet::Multiple),
-        "single" => Ok(Microfacet::Single),
-        _ => Err(names::unknown("microfacet model", text, ["multiple", "single"])),
-    }
-}
-
-fn tone_map(text: &str) -> Result<ToneMap, String> {
-    let found = ToneMap::ALL.into_iter().find(|map| map.name() == text);
-    found.ok_or_else(|| names::unknown("tone map", text, ToneMap::ALL.map(ToneMap::name)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -214,27 +233,5 @@ mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Args::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes_and_environments_are_read_and_nonsense_is_not() {
-        assert_eq!(size("640x480"), Ok((640, 480)));
-        for wrong in ["640", "0x3", "x", "-3x4", "1e3x10", "99999999999x1"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-        assert_eq!(environment("studio"), Ok(EnvArg::Studio));
-        assert_eq!(environment("1, .5,0"), Ok(EnvArg::Constant(Vec3::new(1.0, 0.5, 0.0))));
-        assert_eq!(environment("a,b.hdr"), Ok(EnvArg::File("a,b.hdr".into())));
-        for (wrong, advice) in [
-            ("1,2", "three"),
-            ("1,-2,3", "at least 0"),
-            ("studoi", "studio"),
-            ("sky.jpg", ".hdr"),
-            ("nan,1,1", "R,G,B"),
-        ] {
-            let error = environment(wrong).unwrap_err();
-            assert!(error.contains(advice), "{wrong}: {error}");
-        }
-        assert!(tone_map("acess").unwrap_err().contains("did you mean aces"));
     }
 }

@@ -12,15 +12,19 @@
 //! | 130 | interrupted; what was rendered has been written, if anything was |
 
 mod args;
+mod compare;
 mod inspect;
 mod interrupt;
 mod job;
 mod message;
 mod names;
 mod pipeline;
+mod profile;
 mod progress;
 mod render;
+mod setup;
 mod stats;
+mod values;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -64,6 +68,8 @@ pub fn main() -> ExitCode {
     let result = match args.command {
         args::Command::Render(args) => render::run(*args),
         args::Command::Inspect(args) => inspect::run(&args),
+        args::Command::CompareModels(args) => compare::run(*args),
+        args::Command::Profile(args) => profile::run(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

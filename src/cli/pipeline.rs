@@ -2,8 +2,8 @@
 //! errors become [`Failure`]s.
 
 use super::Failure;
-use super::args::EnvArg;
 use super::message::Reporter;
+use super::values::EnvArg;
 use crate::asset::{self, environment::load_environment};
 use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
@@ -17,12 +17,22 @@ use std::path::Path;
 
 pub(super) use crate::asset::{Diagnostic, Loaded, Severity, Summary};
 pub(super) use crate::optics::Microfacet;
+pub(super) use crate::optics::diffusion::Cosines;
 pub(super) use crate::scene::Scene;
+pub(super) use crate::subsurface::Registry;
 pub(super) use crate::transport::{RenderControl, RenderOptions, RenderStats, Rendered};
 
 /// Names of the subsurface models.
 pub(super) fn subsurface_models() -> Vec<String> {
-    subsurface::Registry::standard().iter().map(|model| model.name().to_owned()).collect()
+    Registry::standard().iter().map(|model| model.name().to_owned()).collect()
+}
+
+/// The subsurface models, with that choice of cosines where there is one.
+pub(super) fn models(cosines: Cosines) -> Registry {
+    let mut models = Registry::standard();
+    models.register(Box::new(subsurface::BrdfApproximation { cosines }));
+    models.register(Box::new(subsurface::LightBiased { cosines }));
+    models
 }
 
 /// Loads a glTF file.
@@ -45,9 +55,10 @@ pub(super) fn build(description: SceneDescription) -> Result<Scene, Failure> {
 pub(super) fn render(
     scene: &Scene,
     options: &RenderOptions,
+    models: &Registry,
     control: &dyn RenderControl,
 ) -> Result<Rendered, Failure> {
-    transport::render(scene, options, control).map_err(Failure::cannot)
+    transport::render_with(scene, options, control, models).map_err(Failure::cannot)
 }
 
 /// Everything a render counts, by name, in a fixed order.

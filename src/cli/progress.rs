@@ -40,6 +40,12 @@ impl Progress {
         self.bar.set_style(style("{msg} {wide_bar} {percent:>3} %  {elapsed} elapsed, {eta} left"));
     }
 
+    /// Names the part of the bar that follows `before` of `total` samples.
+    pub fn part(&self, name: &str, before: u64, total: u64) -> Part<'_> {
+        self.bar.set_message(name.to_owned());
+        Part { progress: self, before, total }
+    }
+
     /// Removes whatever is shown.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
@@ -56,6 +62,23 @@ impl RenderControl for Progress {
 
     fn cancelled(&self) -> bool {
         interrupt::requested()
+    }
+}
+
+/// One of several renders that share a bar.
+pub(super) struct Part<'a> {
+    progress: &'a Progress,
+    before: u64,
+    total: u64,
+}
+
+impl RenderControl for Part<'_> {
+    fn advance(&self, samples_done: u64, _: u64) {
+        self.progress.advance(self.before + samples_done, self.total);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
     }
 }
 

@@ -21,9 +21,30 @@ impl Stopwatch {
     }
 }
 
+/// What a piece of work took.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Work {
+    /// Wall-clock time.
+    pub seconds: f64,
+    /// CPU time of all threads, in steps of 10 ms; `None` where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+}
+
+impl Work {
+    /// Does something, and says what it took.
+    pub fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
+        let cpu_before = cpu_seconds();
+        let mut watch = Stopwatch::start();
+        let result = work();
+        let seconds = watch.lap();
+        let hundredths = |before: f64| Some(((cpu_seconds()? - before) * 100.0).round() / 100.0);
+        (result, Self { seconds, cpu_seconds: cpu_before.and_then(hundredths) })
+    }
+}
+
 /// CPU seconds of all threads of this process so far, finished ones included, in steps of 10 ms; `None` where the
 /// system does not tell.
-pub(super) fn cpu_seconds() -> Option<f64> {
+fn cpu_seconds() -> Option<f64> {
     /// `USER_HZ`, the unit of times in `/proc`: 100 on every architecture that Rust's tier 1 and 2 Linux targets run on.
     const TICKS_A_SECOND: f64 = 100.0;
     parse_cpu_ticks(&std::fs::read_to_string("/proc/self/stat").ok()?)

@@ -7,6 +7,7 @@
 //! exposure → [`ToneMap`] → sRGB encoding.
 
 pub mod atomic;
+pub mod compare;
 mod display;
 mod exr;
 pub mod figure;

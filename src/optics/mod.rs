@@ -21,6 +21,7 @@ pub mod metallic_roughness;
 #[cfg(test)]
 mod microsurface_walk;
 pub mod phase;
+pub mod presets;
 mod reflection_tables;
 #[cfg(test)]
 mod test_support;

@@ -19,6 +19,10 @@ impl SubsurfaceModel for BetterDipole {
         "dipole of Grosjean's diffusion with exact Fresnel moments (d'Eon 2012)"
     }
 
+    fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        Radial::closed_form(self, c)
+    }
+
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
         Radial::prepare(*self, scene)
     }

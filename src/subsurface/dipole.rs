@@ -30,6 +30,10 @@ impl SubsurfaceModel for Dipole {
         }
     }
 
+    fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        Radial::closed_form(self, c)
+    }
+
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
         Radial::prepare(*self, scene)
     }

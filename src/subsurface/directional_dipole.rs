@@ -35,6 +35,12 @@ impl SubsurfaceModel for DirectionalDipole {
         "dipole of ray sources between any two points (Frisvad et al. 2014)"
     }
 
+    /// For light along the normal, which is not quite what is rendered: the model does not look the same both ways, and
+    /// paths enter where light leaves.
+    fn closed_form(&self, c: &diffusion::Coefficients) -> Option<Box<dyn diffusion::RadialProfile>> {
+        Some(Box::new(diffusion::DirectionalDipole::new(c)))
+    }
+
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
         let profile = |c: &diffusion::Coefficients| -> Box<dyn diffusion::RadialProfile> {
             Box::new(diffusion::DirectionalDipole::new(c))

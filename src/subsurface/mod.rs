@@ -42,7 +42,7 @@ pub use textured::TexturedMedium;
 
 use crate::geometry::Hit;
 use crate::light::LightSample;
-use crate::optics::diffusion::{Coefficients, Cosines, ScaleFit};
+use crate::optics::diffusion::{Coefficients, Cosines, RadialProfile, ScaleFit};
 use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Object, Scene, Surface};
@@ -220,6 +220,12 @@ pub trait SubsurfaceModel: Send + Sync {
     fn name(&self) -> &str;
     /// One line for `--help`.
     fn summary(&self) -> &str;
+    /// R(r) of one channel of a medium where the model has it in closed form: see
+    /// [`diffusion`](crate::optics::diffusion). It is what the model renders under light from everywhere;
+    /// [`searchlight`](crate::transport::searchlight) measures that for any model.
+    fn closed_form(&self, _: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        None
+    }
     /// Tables for the media of a scene.
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator>;
 }

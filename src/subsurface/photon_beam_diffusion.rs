@@ -19,6 +19,10 @@ impl SubsurfaceModel for PhotonBeamDiffusion {
         "dipoles along the refracted beam, with single scattering (Habel et al. 2013)"
     }
 
+    fn closed_form(&self, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        Radial::closed_form(self, c)
+    }
+
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
         Radial::prepare(*self, scene)
     }

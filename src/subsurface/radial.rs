@@ -8,7 +8,7 @@
 use super::exit_search::ExitSearch;
 use super::tables::Tables;
 use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
-use crate::optics::diffusion::{Coefficients, RadialProfile};
+use crate::optics::diffusion::{self, Coefficients, RadialProfile};
 use crate::optics::{DiffuseExit, fresnel};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
@@ -28,6 +28,22 @@ pub trait Formula: Clone + Send + Sync + 'static {
     }
 }
 
+/// A profile of which a share is lost at the boundary.
+struct Scaled {
+    profile: Box<dyn RadialProfile>,
+    kept: f64,
+}
+
+impl RadialProfile for Scaled {
+    fn eval(&self, r: f64) -> f64 {
+        self.kept * self.profile.eval(r)
+    }
+
+    fn total(&self) -> f64 {
+        self.kept * self.profile.total()
+    }
+}
+
 /// A radial model, ready for one scene.
 pub struct Radial<F> {
     formula: F,
@@ -37,6 +53,18 @@ pub struct Radial<F> {
 }
 
 impl<F: Formula> Radial<F> {
+    /// What a formula renders, for [`super::SubsurfaceModel::closed_form`]; `None` where single scattering is added,
+    /// which has no closed form as it is connected.
+    pub fn closed_form(formula: &F, c: &Coefficients) -> Option<Box<dyn RadialProfile>> {
+        if formula.adds_single_scattering() {
+            return None;
+        }
+        let profile = formula.profile(c);
+        let lost = diffusion::fresnel::diffuse_reflectance(1.0 / c.eta);
+        let kept = if formula.normalized() { 1.0 } else { 1.0 - lost };
+        Some(Box::new(Scaled { profile, kept }))
+    }
+
     /// Prepares a model for a scene.
     pub fn prepare(formula: F, scene: &Scene) -> Box<dyn Propagator> {
         let profile = formula.clone();

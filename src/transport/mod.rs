@@ -10,6 +10,7 @@ mod emerge;
 mod media;
 mod path;
 mod render;
+pub mod searchlight;
 mod state;
 mod weight;
 

@@ -63,6 +63,14 @@ impl RenderOptions {
             aim: true,
         }
     }
+
+    /// The threads that will render: as many as asked for, else as the machine has.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        }
+    }
 }
 
 /// Progress and cancellation, from whoever waits.

@@ -10,5 +10,6 @@ mod lab;
 mod lights;
 mod media;
 mod models;
+mod searchlight;
 mod slabs;
 mod spheres;

@@ -6,6 +6,7 @@
 mod axis;
 mod canvas;
 pub mod false_color;
+mod grid;
 mod plot;
 mod series;
 mod sheet;

@@ -1,0 +1,252 @@
+//! From the options of a scene to a scene that can be rendered: what all commands that render begin with.
+
+use super::Failure;
+use super::args::SceneArgs;
+use super::interrupt;
+use super::job::file_name;
+use super::message::Reporter;
+use super::names;
+use super::pipeline::{self, Cosines, Microfacet, RenderOptions, RenderStats, Scene};
+use super::progress::Progress;
+use super::stats::Stopwatch;
+use super::values::EnvArg;
+use crate::scene::{CameraDescription, Projection, SceneDescription};
+use serde_json::{Value, json};
+
+/// Aspect ratios that differ by less than this are the same.
+const ASPECT_TOLERANCE: f32 = 0.01;
+/// Aspect ratio where neither the command line nor the camera gives one.
+const DEFAULT_ASPECT: f32 = 4.0 / 3.0;
+
+/// The size of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// What was asked for, if anything was.
+    pub asked: Option<(u32, u32)>,
+    /// Otherwise the longest side.
+    pub longest_side: u32,
+}
+
+/// A scene with everything that was asked for, compiled.
+pub(super) struct Prepared {
+    pub scene: Scene,
+    pub camera: CameraDescription,
+    pub width: u32,
+    pub height: u32,
+    /// What the environment is called in the files written.
+    pub environment: String,
+    pub load_seconds: f64,
+    pub build_seconds: f64,
+}
+
+impl Prepared {
+    /// Loads and compiles what `args` ask for.
+    pub fn new(
+        args: &SceneArgs,
+        size: Size,
+        reporter: &Reporter,
+        progress: &Progress,
+    ) -> Result<Self, Failure> {
+        let mut watch = Stopwatch::start();
+        progress.phase(&format!("loading {}", file_name(&args.input)));
+        let loaded = pipeline::load(&args.input, args.scene, args.strict);
+        progress.clear();
+        let loaded = loaded?;
+        reporter.diagnostics(&loaded.diagnostics);
+        let mut description = loaded.scene;
+        let (environment, is_studio) =
+            pipeline::choose_environment(args.env.as_ref(), &description, reporter)?;
+        description.environment = environment;
+        pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
+        let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
+        let load_seconds = watch.lap();
+        interrupt::check()?;
+
+        progress.phase("building");
+        let scene = pipeline::build(description);
+        progress.clear();
+        let scene = scene?;
+        let build_seconds = watch.lap();
+        interrupt::check()?;
+        let environment = environment_name(args.env.as_ref(), is_studio);
+        Ok(Self { scene, camera, width, height, environment, load_seconds, build_seconds })
+    }
+
+    /// What to render with one model.
+    pub fn options(&self, args: &SceneArgs, spp: u32, subsurface: &str) -> RenderOptions {
+        RenderOptions {
+            width: self.width,
+            height: self.height,
+            spp,
+            seed: args.seed,
+            threads: args.threads.unwrap_or(0),
+            camera: self.camera.clone(),
+            subsurface: subsurface.to_owned(),
+            max_depth: args.max_depth,
+            microfacet: args.microfacet,
+            aim: !args.no_aim,
+        }
+    }
+
+    /// The options that change a picture, for its record; the model and the tone map are left to the caller.
+    pub fn record(&self, args: &SceneArgs) -> Value {
+        let mut recorded = json!({
+            "size": [self.width, self.height],
+            "camera": self.camera.name,
+            "env": self.environment,
+            "env_rotation": args.env_rotation,
+            "env_intensity": args.env_intensity,
+            "max_depth": args.max_depth,
+            "microfacet": match args.microfacet {
+                Microfacet::Multiple => "multiple",
+                Microfacet::Single => "single",
+            },
+            "brdf_cosines": match args.brdf_cosines {
+                Cosines::Refracted => "refracted",
+                Cosines::Unrefracted => "unrefracted",
+            },
+        });
+        if let Some(scene) = args.scene {
+            recorded["scene"] = json!(scene);
+        }
+        recorded
+    }
+}
+
+/// Says what went wrong in a render of so many samples; `of` begins the sentences.
+pub(super) fn report_counters(stats: &RenderStats, samples: f64, of: &str, reporter: &Reporter) {
+    if stats.truncated_paths > 0 {
+        reporter.warning(format!(
+            "{of}{} paths were cut off at --max-depth; the picture is darker than it should be",
+            stats.truncated_paths
+        ));
+    }
+    // Rounding lets a path in a million slip through an edge of a closed mesh.
+    if stats.leaked_paths as f64 > 1e-5 * samples {
+        reporter.warning(format!(
+            "{of}{} paths leaked out of meshes that are not closed (`nephrite inspect` says where)",
+            stats.leaked_paths
+        ));
+    }
+    if stats.invalid_samples > 0 {
+        reporter.warning(format!("{of}{} samples were not finite and count as black", stats.invalid_samples));
+    }
+}
+
+/// The camera and the size of the picture.
+fn view(
+    wanted: Option<&str>,
+    size: Size,
+    scene: &SceneDescription,
+    reporter: &Reporter,
+) -> Result<(CameraDescription, (u32, u32)), Failure> {
+    let chosen = choose_camera(wanted, scene)?;
+    let own_aspect = chosen.and_then(|camera| match camera.projection {
+        Projection::Perspective { aspect, .. } | Projection::Orthographic { aspect, .. } => aspect,
+    });
+    let (width, height) = size.with_aspect(own_aspect);
+    let aspect = width as f32 / height as f32;
+    if let Some(own) = own_aspect.filter(|own| (own / aspect - 1.0).abs() > ASPECT_TOLERANCE) {
+        reporter.note(format!(
+            "the camera's aspect ratio is {own:.3}, the picture's {aspect:.3}: what is seen to the sides changes"
+        ));
+    }
+    let camera = match chosen {
+        Some(camera) => camera.clone(),
+        None => {
+            reporter.note("the file has no camera; the whole scene is framed");
+            pipeline::automatic_camera(scene, aspect)
+        }
+    };
+    Ok((camera, (width, height)))
+}
+
+impl Size {
+    /// What was asked for, else the longest side with the camera's aspect ratio.
+    fn with_aspect(self, camera: Option<f32>) -> (u32, u32) {
+        let aspect = camera.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(DEFAULT_ASPECT);
+        let longest = self.longest_side;
+        let shorter = |ratio: f32| ((longest as f32 * ratio).round() as u32).clamp(1, longest);
+        self.asked.unwrap_or(if aspect >= 1.0 {
+            (longest, shorter(1.0 / aspect))
+        } else {
+            (shorter(aspect), longest)
+        })
+    }
+}
+
+fn environment_name(wanted: Option<&EnvArg>, is_studio: bool) -> String {
+    match wanted {
+        Some(EnvArg::Constant(c)) => format!("{},{},{}", c.x, c.y, c.z),
+        Some(EnvArg::File(path)) => file_name(path),
+        _ if is_studio => "studio".to_owned(),
+        _ => "none".to_owned(),
+    }
+}
+
+/// The camera that was asked for, by name or else by index; the first where none was; `None` if there is none.
+fn choose_camera<'a>(
+    wanted: Option<&str>,
+    scene: &'a SceneDescription,
+) -> Result<Option<&'a CameraDescription>, Failure> {
+    let Some(wanted) = wanted else { return Ok(scene.cameras.first()) };
+    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
+    let by_index = || wanted.parse().ok().and_then(|index: usize| scene.cameras.get(index));
+    if let Some(camera) = by_name.or_else(by_index) {
+        return Ok(Some(camera));
+    }
+    if scene.cameras.is_empty() {
+        return Err(Failure::advise(
+            format!("there is no camera {wanted:?}: the file has none"),
+            "leave --camera out, and the whole scene is framed",
+        ));
+    }
+    let known = scene.cameras.iter().map(|camera| camera.name.as_str());
+    Err(Failure::advise(
+        names::unknown("camera", wanted, known),
+        format!("give a name, or an index from 0 to {}", scene.cameras.len() - 1),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Affine3A;
+
+    fn scene(names: &[&str]) -> SceneDescription {
+        let camera = |name: &&str| CameraDescription {
+            name: (*name).to_owned(),
+            transform: Affine3A::IDENTITY,
+            projection: Projection::Perspective { yfov: 1.0, aspect: Some(2.0) },
+        };
+        SceneDescription { cameras: names.iter().map(camera).collect(), ..Default::default() }
+    }
+
+    #[test]
+    fn cameras_are_found_by_name_before_index() {
+        let scene = scene(&["Front", "0", "Side"]);
+        let name = |wanted| choose_camera(wanted, &scene).unwrap().map(|c| c.name.clone());
+        assert_eq!(name(None).as_deref(), Some("Front"));
+        assert_eq!(name(Some("0")).as_deref(), Some("0"));
+        assert_eq!(name(Some("2")).as_deref(), Some("Side"));
+        for wrong in ["3", "Sidee", "-1"] {
+            let Err(Failure::Cannot { message, advice }) = choose_camera(Some(wrong), &scene) else {
+                panic!("{wrong} was found")
+            };
+            assert!(message.contains("Side") && advice.unwrap().contains("0 to 2"), "{message}");
+        }
+        assert!(choose_camera(None, &SceneDescription::default()).unwrap().is_none());
+    }
+
+    #[test]
+    fn default_sizes_have_the_longest_side_that_is_asked_for() {
+        let size = |aspect| Size { asked: None, longest_side: 1024 }.with_aspect(aspect);
+        assert_eq!(size(None), (1024, 768));
+        assert_eq!(size(Some(16.0 / 9.0)), (1024, 576));
+        assert_eq!(size(Some(0.5)), (512, 1024));
+        assert_eq!(size(Some(1.0)), (1024, 1024));
+        assert_eq!(size(Some(1e9)), (1024, 1));
+        assert_eq!(size(Some(f32::NAN)), (1024, 768));
+        assert_eq!(Size { asked: Some((3, 4)), longest_side: 9 }.with_aspect(Some(2.0)), (3, 4));
+    }
+}

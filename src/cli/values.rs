@@ -1,0 +1,214 @@
+//! How single values on the command line are read, and what is said where they make no sense.
+
+use super::names;
+use super::pipeline::{Cosines, Microfacet, subsurface_models};
+use crate::film::ToneMap;
+use crate::optics::diffusion::Coefficients;
+use crate::optics::presets::{JENSEN_2001, Preset};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// The light that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum EnvArg {
+    Studio,
+    None,
+    Constant(Vec3),
+    File(PathBuf),
+}
+
+/// The medium that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum MediumArg {
+    Preset(&'static Preset),
+    /// In the unit that is asked for beside it.
+    Numbers(Coefficients),
+}
+
+/// Which channels of a preset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ChannelArg {
+    Red,
+    Green,
+    Blue,
+    All,
+}
+
+/// The unit whose inverse coefficients have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LengthUnit {
+    Metre,
+    Millimetre,
+}
+
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "write it as width x height, for example 1280x720".to_owned();
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let side = |s: &str| s.trim().parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(wrong);
+    Ok((side(width)?, side(height)?))
+}
+
+/// More threads than this are a typing error.
+const MAX_THREADS: usize = 4096;
+
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=MAX_THREADS).contains(&n) => Ok(n),
+        _ => Err(format!("a whole number from 1 to {MAX_THREADS} is expected")),
+    }
+}
+
+pub(super) fn number(text: &str) -> Result<f32, String> {
+    text.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| "a number is expected".to_owned())
+}
+
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    number(text).ok().filter(|&x| x >= 0.0).ok_or_else(|| "a number of at least 0 is expected".to_owned())
+}
+
+pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
+    match text {
+        "studio" => return Ok(EnvArg::Studio),
+        "none" => return Ok(EnvArg::None),
+        _ => {}
+    }
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    if let Ok(radiance) = parts.iter().map(|part| positive(part)).collect::<Result<Vec<f32>, _>>() {
+        return match radiance[..] {
+            [r, g, b] => Ok(EnvArg::Constant(Vec3::new(r, g, b))),
+            _ => Err("a radiance has three parts: red,green,blue".to_owned()),
+        };
+    }
+    let path = PathBuf::from(text);
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("hdr" | "exr") => Ok(EnvArg::File(path)),
+        Some(other) => Err(format!("a .{other} file is no environment; .hdr and .exr are")),
+        None => Err(format!(
+            "{}; besides those, a .hdr or .exr file or a radiance R,G,B of at least 0",
+            names::unknown("environment", text, ["studio", "none"])
+        )),
+    }
+}
+
+pub(super) fn subsurface(text: &str) -> Result<String, String> {
+    let models = subsurface_models();
+    if models.iter().any(|name| name == text) {
+        return Ok(text.to_owned());
+    }
+    Err(names::unknown("subsurface model", text, models.iter().map(String::as_str)))
+}
+
+pub(super) fn microfacet(text: &str) -> Result<Microfacet, String> {
+    match text {
+        "multiple" => Ok(Microfacet::Multiple),
+        "single" => Ok(Microfacet::Single),
+        _ => Err(names::unknown("microfacet model", text, ["multiple", "single"])),
+    }
+}
+
+pub(super) fn cosines(text: &str) -> Result<Cosines, String> {
+    match text {
+        "refracted" => Ok(Cosines::Refracted),
+        "unrefracted" => Ok(Cosines::Unrefracted),
+        _ => Err(names::unknown("choice of cosines", text, ["refracted", "unrefracted"])),
+    }
+}
+
+pub(super) fn tone_map(text: &str) -> Result<ToneMap, String> {
+    let found = ToneMap::ALL.into_iter().find(|map| map.name() == text);
+    found.ok_or_else(|| names::unknown("tone map", text, ToneMap::ALL.map(ToneMap::name)))
+}
+
+pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
+    if !text.contains(',') {
+        let presets = JENSEN_2001.iter().map(|preset| preset.name);
+        return Preset::named(text).map(MediumArg::Preset).ok_or_else(|| {
+            let unknown = names::unknown("preset", text, presets);
+            format!("{unknown}; or give four numbers σa,σs,g,η")
+        });
+    }
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let [sigma_a, sigma_s, g, eta] = numbers[..] else {
+        return Err("a medium is four numbers: σa,σs,g,η, for example 20,1500,0.4,1.4".to_owned());
+    };
+    let coefficient = |v: f64| (0.0..=MAX_COEFFICIENT).contains(&v);
+    if !(coefficient(sigma_a) && coefficient(sigma_s)) {
+        return Err(format!("σa and σs are between 0 and {MAX_COEFFICIENT:e}"));
+    }
+    if sigma_s == 0.0 {
+        return Err("a medium that does not scatter (σs = 0) has no profile".to_owned());
+    }
+    if !(-MAX_ANISOTROPY..=MAX_ANISOTROPY).contains(&g) {
+        return Err(format!("g is between −{MAX_ANISOTROPY} and {MAX_ANISOTROPY}"));
+    }
+    if !(1.0..=MAX_INDEX).contains(&eta) {
+        return Err(format!("η is between 1 and {MAX_INDEX}"));
+    }
+    Ok(MediumArg::Numbers(Coefficients { sigma_a, sigma_s, g, eta }))
+}
+
+/// Coefficients above this are a typing error; so is a mean cosine nearer to 1, whose walks would not end.
+const MAX_COEFFICIENT: f64 = 1e12;
+const MAX_ANISOTROPY: f64 = 0.99;
+/// Diamond has 2.4.
+const MAX_INDEX: f64 = 4.0;
+
+pub(super) fn channel(text: &str) -> Result<ChannelArg, String> {
+    match text {
+        "r" => Ok(ChannelArg::Red),
+        "g" => Ok(ChannelArg::Green),
+        "b" => Ok(ChannelArg::Blue),
+        "all" => Ok(ChannelArg::All),
+        _ => Err(names::unknown("channel", text, ["r", "g", "b", "all"])),
+    }
+}
+
+pub(super) fn length_unit(text: &str) -> Result<LengthUnit, String> {
+    match text {
+        "m" => Ok(LengthUnit::Metre),
+        "mm" => Ok(LengthUnit::Millimetre),
+        _ => Err(names::unknown("unit", text, ["m", "mm"])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_environments_are_read_and_nonsense_is_not() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        for wrong in ["640", "0x3", "x", "-3x4", "1e3x10", "99999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(environment("studio"), Ok(EnvArg::Studio));
+        assert_eq!(environment("1, .5,0"), Ok(EnvArg::Constant(Vec3::new(1.0, 0.5, 0.0))));
+        assert_eq!(environment("a,b.hdr"), Ok(EnvArg::File("a,b.hdr".into())));
+        for (wrong, advice) in [
+            ("1,2", "three"),
+            ("1,-2,3", "at least 0"),
+            ("studoi", "studio"),
+            ("sky.jpg", ".hdr"),
+            ("nan,1,1", "R,G,B"),
+        ] {
+            let error = environment(wrong).unwrap_err();
+            assert!(error.contains(advice), "{wrong}: {error}");
+        }
+        let numbers = Coefficients { sigma_a: 20.0, sigma_s: 1500.0, g: 0.4, eta: 1.4 };
+        assert_eq!(medium("20, 1500,0.4,1.4"), Ok(MediumArg::Numbers(numbers)));
+        for (wrong, advice) in [
+            ("skimmilk", "did you mean skim-milk"),
+            ("1,2,3", "four numbers"),
+            ("1,x,0,1.3", "four numbers"),
+            ("-1,2,0,1.3", "σa"),
+            ("1,0,0,1.3", "scatter"),
+            ("1,2,1,1.3", "g is"),
+            ("1,2,0,nan", "η is"),
+        ] {
+            let error = medium(wrong).unwrap_err();
+            assert!(error.contains(advice), "{wrong}: {error}");
+        }
+        assert!(tone_map("acess").unwrap_err().contains("did you mean aces"));
+    }
+}

@@ -1,0 +1,238 @@
+//! How far is a picture from its reference, and how much of that is noise?
+//!
+//! Both are rendered as two independent halves, A and B of the picture P = (A + B)/2, R₁ and R₂ of the reference
+//! R = (R₁ + R₂)/2. With the weight w = 1/(R² + ε), ε = 1 % of the squared mean of R, means over pixels and channels of
+//!
+//! | code | formula | estimates |
+//! | --- | --- | --- |
+//! | `rel_mse` | w (P − R)² | everything below together |
+//! | `bias` | w (A − R₁)(B − R₂) | squared bias: independent noise has mean 0, and so has its product |
+//! | `noise` | w (A − B)²/4 | variance of P |
+//! | `reference_noise` | w (R₁ − R₂)²/4 | variance of R |
+//!
+//! `bias` may come out below zero where there is none. It rests on the reference being less noisy than the difference
+//! that is looked for, since w depends on the same noise. The thousandth of the pixels where w (P − R)² is largest,
+//! fireflies mostly, is left out of all four.
+
+use super::Film;
+use glam::DVec3;
+
+/// ε over the squared mean of the reference.
+const DARK: f64 = 0.01;
+/// Share of the pixels that is left out.
+const LEFT_OUT: f64 = 0.001;
+
+/// Two independent renders of one picture, of equally many samples.
+#[derive(Clone, Debug)]
+pub struct Halves {
+    halves: [Film; 2],
+}
+
+/// Films of different sizes were compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("pictures of different sizes cannot be compared")]
+pub struct DifferentSizes;
+
+/// A measured number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error, pixels taken for independent.
+    pub standard_error: f64,
+}
+
+/// What a comparison finds; relative squared errors are dimensionless.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Relative mean squared error of the picture.
+    pub rel_mse: f64,
+    /// The part of it that more samples would not remove.
+    pub bias: Measured,
+    /// The part that is the picture's noise.
+    pub noise: f64,
+    /// The part that is the reference's noise.
+    pub reference_noise: f64,
+    /// Mean of the picture over that of the reference, each channel; NaN where the reference is black.
+    pub mean_ratio: [Measured; 3],
+}
+
+impl Halves {
+    /// Of two films of one size.
+    pub fn new(a: Film, b: Film) -> Result<Self, DifferentSizes> {
+        if (a.width, a.height, a.pixels.len()) != (b.width, b.height, b.pixels.len()) {
+            return Err(DifferentSizes);
+        }
+        Ok(Self { halves: [a, b] })
+    }
+
+    /// The picture: the mean of both.
+    pub fn mean(&self) -> Film {
+        let [a, b] = &self.halves;
+        let mut film = Film::new(a.width, a.height);
+        film.pixels = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        film
+    }
+
+    /// Both values of each pixel.
+    fn pixels(&self) -> impl Iterator<Item = [DVec3; 2]> {
+        let [a, b] = &self.halves;
+        a.pixels.iter().zip(&b.pixels).map(|(a, b)| [a.as_dvec3(), b.as_dvec3()])
+    }
+
+    /// Mean of each channel with its variance.
+    fn moments(&self) -> [DVec3; 2] {
+        let n = self.halves[0].pixels.len().max(1) as f64;
+        let sum = self.pixels().fold([DVec3::ZERO; 2], |[mean, variance], [a, b]| {
+            [mean + 0.5 * (a + b), variance + 0.25 * (a - b) * (a - b)]
+        });
+        [sum[0] / n, sum[1] / (n * n)]
+    }
+
+    /// Compares with a reference.
+    pub fn compare(&self, reference: &Self) -> Result<Comparison, DifferentSizes> {
+        let size = |h: &Self| (h.halves[0].width, h.halves[0].height, h.halves[0].pixels.len());
+        if size(self) != size(reference) {
+            return Err(DifferentSizes);
+        }
+        let [mean, variance] = self.moments();
+        let [reference_mean, reference_variance] = reference.moments();
+        let level = reference_mean.element_sum() / 3.0;
+        let dark = DARK * level * level;
+        let mut terms: Vec<Terms> = self
+            .pixels()
+            .zip(reference.pixels())
+            .map(|(picture, reference)| Terms::of(picture, reference, dark))
+            .collect();
+        terms.sort_by(|a, b| a.rel_mse.total_cmp(&b.rel_mse));
+        let left_out = ((terms.len() as f64 * LEFT_OUT).round() as usize).max(1);
+        terms.truncate(terms.len().saturating_sub(left_out).max(1));
+
+        let n = terms.len().max(1) as f64;
+        let average = |of: fn(&Terms) -> f64| terms.iter().map(of).sum::<f64>() / n;
+        let bias = average(|t| t.bias);
+        let spread = terms.iter().map(|t| (t.bias - bias).powi(2)).sum::<f64>();
+        let ratio = |c: usize| {
+            let value = mean[c] / reference_mean[c];
+            let relative = |mean: f64, variance: f64| variance / (mean * mean);
+            let squared = relative(mean[c], variance[c]) + relative(reference_mean[c], reference_variance[c]);
+            let error = if mean[c] == 0.0 { 0.0 } else { value * squared.sqrt() };
+            Measured { value: if reference_mean[c] == 0.0 { f64::NAN } else { value }, standard_error: error }
+        };
+        Ok(Comparison {
+            rel_mse: average(|t| t.rel_mse),
+            bias: Measured { value: bias, standard_error: (spread / (n * (n - 1.0).max(1.0))).sqrt() },
+            noise: average(|t| t.noise),
+            reference_noise: average(|t| t.reference_noise),
+            mean_ratio: [0, 1, 2].map(ratio),
+        })
+    }
+}
+
+/// The four terms of one pixel, means of its channels.
+struct Terms {
+    rel_mse: f64,
+    bias: f64,
+    noise: f64,
+    reference_noise: f64,
+}
+
+impl Terms {
+    fn of([a, b]: [DVec3; 2], [r1, r2]: [DVec3; 2], dark: f64) -> Self {
+        let reference = 0.5 * (r1 + r2);
+        let scale = reference * reference + dark;
+        // Where all is black nothing is to be weighed.
+        let mean = |v: DVec3| {
+            let weighed = DVec3::select(scale.cmpgt(DVec3::ZERO), v / scale, DVec3::ZERO);
+            weighed.element_sum() / 3.0
+        };
+        let error = 0.5 * (a + b) - reference;
+        Self {
+            rel_mse: mean(error * error),
+            bias: mean((a - r1) * (b - r2)),
+            noise: mean(0.25 * (a - b) * (a - b)),
+            reference_noise: mean(0.25 * (r1 - r2) * (r1 - r2)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::SmallRng;
+    use glam::Vec3;
+
+    const WIDTH: u32 = 200;
+
+    /// A half whose pixels are `value` with noise of standard deviation `sigma`, and `hot` pixels far above.
+    fn noisy(value: impl Fn(usize) -> f32, sigma: f32, hot: usize, seed: u64) -> Film {
+        let mut rng = SmallRng::new(seed);
+        // Uniform numbers of unit variance.
+        let mut noise = || (rng.f32() - 0.5) * 12f32.sqrt() * sigma;
+        let mut film = Film::new(WIDTH, WIDTH);
+        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+            *pixel = Vec3::splat(value(i)) + Vec3::new(noise(), noise(), noise());
+        }
+        film.pixels[..hot].fill(Vec3::splat(1e4));
+        film
+    }
+
+    fn halves(value: impl Fn(usize) -> f32 + Copy, sigma: f32, seed: u64) -> Halves {
+        Halves::new(noisy(value, sigma, 0, seed), noisy(value, sigma, 0, seed + 1)).unwrap()
+    }
+
+    fn z(measured: Measured, truth: f64) -> f64 {
+        (measured.value - truth) / measured.standard_error
+    }
+
+    #[test]
+    fn bias_and_noise_are_told_apart() {
+        let reference = halves(|_| 1.0, 0.02, 1);
+        let picture = halves(|i| if i % 2 == 0 { 1.3 } else { 0.9 }, 0.4, 11);
+        let found = picture.compare(&reference).unwrap();
+        // w = 1/(1 + 1 %), apart from the noise of R, which adds three times its relative variance of 0.02 %.
+        let weight = (1.0 + 3.0 * 0.000_2) / 1.01;
+        let close = |found: f64, truth: f64| assert!((found - truth).abs() < 0.03 * truth, "{found} {truth}");
+        close(found.bias.value, 0.05 * weight);
+        close(found.noise, 0.08 * weight);
+        close(found.reference_noise, 0.000_2 * weight);
+        close(found.rel_mse, found.bias.value + found.noise + found.reference_noise);
+        for ratio in found.mean_ratio {
+            assert!(z(ratio, 1.1).abs() < 4.0 && ratio.standard_error < 0.002, "{ratio:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_without_bias_have_none() {
+        for seed in 0..10 {
+            let (reference, picture) =
+                (halves(|_| 1.0, 0.1, 40 * seed), halves(|_| 1.0, 0.3, 40 * seed + 20));
+            let found = picture.compare(&reference).unwrap();
+            // Leaving out the worst pixels takes a little away.
+            assert!(z(found.bias, 0.0).abs() < 4.0, "{found:?}");
+            assert!(found.bias.standard_error < 0.01 * found.noise, "{found:?}");
+        }
+        let same = halves(|_| 1.0, 0.0, 3);
+        let found = same.compare(&same).unwrap();
+        assert_eq!((found.rel_mse, found.bias.value, found.noise), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn a_thousandth_of_fireflies_is_left_out_and_not_more() {
+        let reference = halves(|_| 1.0, 0.0, 1);
+        let with = |hot| Halves::new(noisy(|_| 1.0, 0.1, hot, 5), noisy(|_| 1.0, 0.1, 0, 6)).unwrap();
+        assert!(with(40).compare(&reference).unwrap().rel_mse < 0.01);
+        assert!(with(60).compare(&reference).unwrap().rel_mse > 1.0);
+    }
+
+    #[test]
+    fn odd_pictures_are_answered() {
+        let film = |width| Film::new(width, 1);
+        assert_eq!(Halves::new(film(1), film(2)).unwrap_err(), DifferentSizes);
+        let black = Halves::new(film(2), film(2)).unwrap();
+        assert_eq!(black.compare(&Halves::new(film(3), film(3)).unwrap()), Err(DifferentSizes));
+        let found = black.compare(&black).unwrap();
+        assert_eq!((found.rel_mse, found.bias.value), (0.0, 0.0));
+        assert!(found.mean_ratio[0].value.is_nan());
+    }
+}
