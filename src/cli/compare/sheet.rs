@@ -57,8 +57,8 @@ pub(super) fn draw(args: &CompareArgs, prepared: &Prepared, results: &Results) -
             label: "luminance minus that of the reference (linear)".to_owned(),
         }),
         footer: format!(
-            "Seconds: wall clock on {threads}, and of all cores. relMSE: mean of (picture − reference)² / \
-             (reference² + 1 % of its squared mean) without the worst 0.1 % of the pixels; it is the sum of squared \
+            "Seconds: wall clock on {threads}, and of all cores. relMSE: mean of (picture − reference)² / (squared \
+             reference, smoothed, + 1 % of its mean) without the worst 0.1 % of the pixels; it is the sum of squared \
              bias, noise, and noise of the reference, which two independent halves of each picture tell apart. \
              Mean: red, green, blue over those of the reference."
         ),
