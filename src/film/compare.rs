@@ -56,6 +56,9 @@ pub struct Comparison {
     pub bias: Measured,
     /// The part that is the picture's noise.
     pub noise: f64,
+    /// The noise that a thousandth of the pixels exceeds: fireflies that more samples do not tame keep it from falling as
+    /// fast as [`Comparison::noise`] does.
+    pub noise_p999: f64,
     /// The part that is the reference's noise.
     pub reference_noise: f64,
     /// Mean of the picture over that of the reference, each channel; NaN where the reference is black.
@@ -109,6 +112,9 @@ impl Halves {
             .zip(smoothed(&reference.mean()))
             .map(|((picture, reference), level)| Terms::of(picture, reference, level * level + dark))
             .collect();
+        terms.sort_by(|a, b| a.noise.total_cmp(&b.noise));
+        let exceeded = ((terms.len() as f64 * (1.0 - LEFT_OUT)) as usize).min(terms.len().saturating_sub(1));
+        let noise_p999 = terms.get(exceeded).map_or(0.0, |t| t.noise);
         terms.sort_by(|a, b| a.worst.total_cmp(&b.worst));
         let left_out = ((terms.len() as f64 * LEFT_OUT).round() as usize).max(1);
         terms.truncate(terms.len().saturating_sub(left_out).max(1));
@@ -128,6 +134,7 @@ impl Halves {
             rel_mse: average(|t| t.rel_mse),
             bias: Measured { value: bias, standard_error: (spread / (n * (n - 1.0).max(1.0))).sqrt() },
             noise: average(|t| t.noise),
+            noise_p999,
             reference_noise: average(|t| t.reference_noise),
             mean_ratio: [0, 1, 2].map(ratio),
         })

@@ -1,6 +1,9 @@
 //! `normalized-diffusion`: Christensen & Burley 2015, "Approximate reflectance profiles for efficient subsurface
 //! scattering": R(r) = A (e^{−r/d} + e^{−r/3d}) / (8π d r) with d from one of three fits. A is the albedo that the surface
 //! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared.
+//!
+//! Without absorption the diffuse mean free path is infinite, and the fit by it spreads light beyond any object: there the
+//! fit by mean free path takes its place.
 
 use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
@@ -47,10 +50,15 @@ impl SubsurfaceModel for NormalizedDiffusion {
 impl Formula for NormalizedDiffusion {
     fn profile(&self, c: &Coefficients) -> Box<dyn RadialProfile> {
         let albedo = BetterDipole::new(c).total().clamp(0.0, 1.0);
-        let length = match self.fit {
-            ScaleFit::SearchlightDmfp => c.diffuse_mean_free_path(),
-            _ => c.transport_mean_free_path(),
-        };
-        Box::new(Profile::new(albedo, length, self.fit))
+        let diffuse = c.diffuse_mean_free_path();
+        match self.fit {
+            ScaleFit::SearchlightDmfp if diffuse.is_finite() => {
+                Box::new(Profile::new(albedo, diffuse, ScaleFit::SearchlightDmfp))
+            }
+            ScaleFit::SearchlightDmfp => {
+                Box::new(Profile::new(albedo, c.transport_mean_free_path(), ScaleFit::SearchlightMfp))
+            }
+            fit => Box::new(Profile::new(albedo, c.transport_mean_free_path(), fit)),
+        }
     }
 }

@@ -42,6 +42,7 @@ pub(super) fn json(args: &CompareArgs, prepared: &Prepared, results: &Results, f
                 "rel_mse": found.rel_mse,
                 "bias": number(found.bias),
                 "noise": found.noise,
+                "noise_p999": found.noise_p999,
                 "reference_noise": found.reference_noise,
                 "mean": entry.film.mean(),
                 "mean_ratio": found.mean_ratio.map(number),
@@ -74,13 +75,14 @@ fn number(measured: Measured) -> Value {
 /// One line a model.
 pub(super) fn csv(results: &Results) -> String {
     let mut text = String::from(
-        "model,spp,seconds,cpu_seconds,rel_mse,bias,bias_se,noise,reference_noise,\
+        "model,spp,seconds,cpu_seconds,rel_mse,bias,bias_se,noise,noise_p999,reference_noise,\
          mean_ratio_r,mean_ratio_g,mean_ratio_b,mean_ratio_r_se,mean_ratio_g_se,mean_ratio_b_se\n",
     );
     for (entry, found) in &results.models {
-        let Comparison { rel_mse, bias, noise, reference_noise, mean_ratio } = found;
+        let Comparison { rel_mse, bias, noise, noise_p999, reference_noise, mean_ratio } = found;
         let cpu = entry.work.cpu_seconds.map(|s| s.to_string()).unwrap_or_default();
-        let fields = [*rel_mse, bias.value, bias.standard_error, *noise, *reference_noise].into_iter();
+        let fields =
+            [*rel_mse, bias.value, bias.standard_error, *noise, *noise_p999, *reference_noise].into_iter();
         let ratios = mean_ratio.iter().map(|m| m.value).chain(mean_ratio.iter().map(|m| m.standard_error));
         let (name, spp, seconds) = (&entry.name, results.spp, entry.work.seconds);
         // Writing to a string cannot fail.

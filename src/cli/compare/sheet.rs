@@ -87,7 +87,8 @@ fn lines(entry: &Entry, found: &Comparison) -> Vec<String> {
     vec![
         times(entry),
         format!("relMSE {}", digits(found.rel_mse)),
-        format!("bias² {} ± {}, noise {}", digits(value), digits(standard_error), digits(found.noise)),
+        format!("bias² {} ± {}", digits(value), digits(standard_error)),
+        format!("noise {}, 99.9 % of the pixels below {}", digits(found.noise), digits(found.noise_p999)),
         format!("mean / reference: {}", ratios.join(" ")),
     ]
 }
