@@ -1,6 +1,7 @@
 //! `normalized-diffusion`: Christensen & Burley 2015, "Approximate reflectance profiles for efficient subsurface
 //! scattering": R(r) = A (e^{−r/d} + e^{−r/3d}) / (8π d r) with d from one of three fits. A is the albedo that the surface
-//! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared.
+//! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared. It leaves
+//! out single scattering, so all three are too dark at low albedo (docs/models.md, §9).
 
 use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
