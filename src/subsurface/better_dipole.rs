@@ -1,5 +1,6 @@
 //! `better-dipole`: d'Eon 2012, "A better dipole": Grosjean's diffusion coefficient, exact Fresnel moments, exitance from
-//! flux and fluence. The profile is what leaves the surface, so the exit lobe is normalised.
+//! flux and fluence. The profile is what leaves the surface, so the exit lobe is normalised. Single scattering is not in
+//! it and not added (docs/models.md, §6).
 
 use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};

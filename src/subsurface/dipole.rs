@@ -2,7 +2,7 @@
 //! transport": S = S_d + S^(1), with S_d = F_t(η, ω_i) R_d(|x_i − x_o|) F_t(η, ω_o) / π (eq. 5) and the single scattering
 //! of [`super::single_scattering`].
 //!
-//! S_d transmits diffuse light a second time that R_d already counts as transmitted, so it loses 1 − F̄ of it: that is
+//! S_d transmits diffuse light a second time that R_d already counts as transmitted, so it loses F̄ of it: that is
 //! how the model is printed, and how it is here.
 
 use super::radial::{Formula, Radial};

@@ -1,6 +1,7 @@
 //! `normalized-diffusion`: Christensen & Burley 2015, "Approximate reflectance profiles for efficient subsurface
 //! scattering": R(r) = A (e^{−r/d} + e^{−r/3d}) / (8π d r) with d from one of three fits. A is the albedo that the surface
-//! shows under its boundary per transmitted light: that of the better dipole, so that the models can be compared.
+//! shows per transmitted light, single scattering and the reflections inside of the boundary included
+//! ([`half_space::albedo`]).
 //!
 //! Without absorption the diffuse mean free path is infinite, and the fit by it spreads light beyond any object: there the
 //! fit by mean free path takes its place.
@@ -8,7 +9,7 @@
 use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
 use crate::optics::diffusion::{
-    BetterDipole, Coefficients, NormalizedDiffusion as Profile, RadialProfile, ScaleFit,
+    Coefficients, NormalizedDiffusion as Profile, RadialProfile, ScaleFit, half_space,
 };
 use crate::scene::Scene;
 
@@ -49,7 +50,7 @@ impl SubsurfaceModel for NormalizedDiffusion {
 
 impl Formula for NormalizedDiffusion {
     fn profile(&self, c: &Coefficients) -> Box<dyn RadialProfile> {
-        let albedo = BetterDipole::new(c).total().clamp(0.0, 1.0);
+        let albedo = half_space::albedo(c.reduced_albedo(), c.eta);
         let diffuse = c.diffuse_mean_free_path();
         match self.fit {
             ScaleFit::SearchlightDmfp if diffuse.is_finite() => {

@@ -8,7 +8,7 @@ use super::state::{Counters, Path, Vertex};
 use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, BsdfSample, Medium};
-use crate::sampling::{ONE_MINUS_EPSILON, Sampler};
+use crate::sampling::Sampler;
 use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
 use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
 use glam::{Mat3, Vec2, Vec3};
@@ -16,8 +16,6 @@ use std::cell::Cell;
 
 /// Surface bounces after which throughput decides whether a path goes on.
 const ROULETTE_AFTER: u32 = 3;
-/// Least probability of following the reflection of a boundary that the camera sees.
-const LEAST_REFLECTION: f32 = 0.06;
 /// Below this throughput a path at a surface plays Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
 
@@ -277,19 +275,7 @@ impl PathTracer<'_> {
         if connected {
             *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, None, sampler);
         }
-        let (mut u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
-        let share = if path.bounces == 0 { shaded.bsdf.reflected_share(shaded.wo) } else { 0.0 };
-        if share > 0.0 && share < LEAST_REFLECTION {
-            // What a boundary in view reflects is rare and bright, and costs little next to a walk below it.
-            let (q, u) = (LEAST_REFLECTION, u_lobe);
-            let (chosen, weight) = if u < q {
-                (share * u / q, share / q)
-            } else {
-                (share + (1.0 - share) * (u - q) / (1.0 - q), (1.0 - share) / (1.0 - q))
-            };
-            u_lobe = chosen.min(ONE_MINUS_EPSILON);
-            path.head.throughput *= weight;
-        }
+        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
         self.leave(&shaded, &sample, connected, path, sampler)
     }

@@ -23,6 +23,7 @@ pub mod chandrasekhar;
 pub mod classical;
 pub mod directional;
 pub mod fresnel;
+pub mod half_space;
 pub mod inversion;
 pub mod moments;
 pub mod normalized;

@@ -3,8 +3,8 @@
 //!
 //! R(r) = A (e^{−r/d} + e^{−r/(3d)})/(8π d r), d = l/s (eq. 3): its integral over the plane is the surface albedo A for
 //! every d. The length l and the scaling s(A) were fitted to Monte Carlo profiles of index-matched, isotropic media;
-//! for η > 1 the shape is off by half of the energy with the fits to the mean free path, by a fifth with that to the
-//! diffuse mean free path.
+//! for η > 1 the shape is off by an L1 distance of half of the energy with the fits to the mean free path, of a fifth with
+//! that to the diffuse mean free path.
 //!
 //! With x = e^{−r/(3d)} the distribution function is 1 − (x³ + 3x)/4, a cubic with one real root: the inverse is closed.
 
