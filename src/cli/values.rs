@@ -132,9 +132,9 @@ pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
     let [sigma_a, sigma_s, g, eta] = numbers[..] else {
         return Err("a medium is four numbers: σa,σs,g,η, for example 20,1500,0.4,1.4".to_owned());
     };
-    let coefficient = |v: f64| (0.0..=MAX_COEFFICIENT).contains(&v);
+    let coefficient = |v: f64| v == 0.0 || (MIN_COEFFICIENT..=MAX_COEFFICIENT).contains(&v);
     if !(coefficient(sigma_a) && coefficient(sigma_s)) {
-        return Err(format!("σa and σs are between 0 and {MAX_COEFFICIENT:e}"));
+        return Err(format!("σa and σs are 0, or between {MIN_COEFFICIENT:e} and {MAX_COEFFICIENT:e}"));
     }
     if sigma_s == 0.0 {
         return Err("a medium that does not scatter (σs = 0) has no profile".to_owned());
@@ -150,6 +150,8 @@ pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
 
 /// Coefficients above this are a typing error; so is a mean cosine nearer to 1, whose walks would not end.
 const MAX_COEFFICIENT: f64 = 1e12;
+/// Below this nothing would be scattered within the earth's orbit.
+const MIN_COEFFICIENT: f64 = 1e-12;
 const MAX_ANISOTROPY: f64 = 0.99;
 /// Diamond has 2.4.
 const MAX_INDEX: f64 = 4.0;

@@ -12,10 +12,7 @@
 //! | `sin_row` | s | mean of sin θ over a row of cells: (cos θ₀ − cos θ₁)/(θ₁ − θ₀) |
 //! | `density_scale` | 1/Z | so that `mean(L) s / Z` integrates to 1 over (u, v) |
 //!
-//! dω = 2π² sin θ du dv.
-//!
-//! A constant environment is sampled uniformly over the sphere, or by the cosine over the hemisphere of a normal
-//! where one is given.
+//! dω = 2π² sin θ du dv. A constant environment is sampled uniformly over the sphere, or by the cosine about a normal.
 
 use std::f32::consts::{PI, TAU};
 

@@ -16,6 +16,8 @@ pub struct Object {
     pub has_medium: bool,
     /// Whether its mesh is closed, every component of it.
     pub closed: bool,
+    /// Whether its mesh is closed and has more than one part: parts may overlap.
+    pub in_parts: bool,
     /// Place in the total order by (priority, smaller volume, index); the highest rank around a point fills it.
     pub rank: u32,
     /// Closed, and provably contains nothing else: no foreign triangle reaches into its bounds.
@@ -60,9 +62,9 @@ impl Scene {
         let mut bounds_of_mesh: Vec<(*const MeshGeometry, Arc<DistanceBound>)> = Vec::new();
         for (rank, &(_, _, instance)) in order.iter().enumerate() {
             let bounds = self.instance_bounds(instance);
-            let closed = self.topologies[self.description.instances[instance as usize].mesh]
-                .as_ref()
-                .is_some_and(Topology::is_closed);
+            let topology = self.topologies[self.description.instances[instance as usize].mesh].as_ref();
+            let closed = topology.is_some_and(Topology::is_closed);
+            let in_parts = closed && topology.is_some_and(|t| t.components.len() > 1);
             let intruders = self.intruders(instance, &bounds);
             let overlapped =
                 intruders.iter().any(|i| holds_medium[self.description.instances[i.instance as usize].mesh]);
@@ -96,6 +98,7 @@ impl Scene {
             self.objects[instance as usize] = Object {
                 has_medium: true,
                 closed,
+                in_parts,
                 rank: rank as u32 + 1,
                 isolated: closed && intruders.is_empty(),
                 intruders: intruders.into(),

@@ -72,7 +72,7 @@ pub(super) fn leave_here(flight: &Flight<'_>, head: &mut PathHead, hit: &Hit, co
         inside: Mat3::from_cols(x, y, surface.normal).transpose() * head.direction,
         cosines,
     };
-    head.throughput *= flight.scene.base_color(&surface).truncate();
+    head.throughput *= flight.scene.straight_transmission(&surface);
     Exit { surface, lobe: Box::new(lobe) }
 }
 

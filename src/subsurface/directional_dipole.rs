@@ -163,10 +163,13 @@ impl Directional {
         let from = Surface::new(scene, hit);
         let radii = tables.radii(head.throughput)?;
         let search = ExitSearch::new(scene, hit.instance, from.position, from.geometric_normal, &radii);
-        let found = search.find(head.throughput, sampler, |c| self.tables.reflectance(flight, tables, c))?;
+        let found = search.find(head.throughput, sampler, |c| self.tables.reflectance(flight, &tables, c))?;
         let surface = Surface::new(scene, &found.candidate.hit);
         let (x, y) = orthonormal_basis(surface.normal);
-        let tint = scene.base_color(&surface).truncate();
+        if !flight.is_interface(&surface) {
+            return None;
+        }
+        let tint = scene.straight_transmission(&surface);
         // The weight of the profile; what the lobe says is relative to it.
         head.throughput *= found.reflectance * tint * found.inverse_pdf;
         let position = found.candidate.position;

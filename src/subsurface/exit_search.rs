@@ -3,7 +3,7 @@
 //!
 //! Lines are thrown at the object: always `LINES` along the normal at x_o, and with probability `SIDEWAYS` one along one
 //! of two tangents, each at a distance r from x_o that is drawn from the profile of one channel. Every crossing with
-//! *the same object* is a candidate. A line's density per area of the plane across it is p(r) = Σ_c P_c p_c(r), and a
+//! the boundary of *the same object* is a candidate. A line's density per area of the plane across it is p(r) = Σ_c P_c p_c(r), and a
 //! surface element dA offers |n·a| dA to it, so over all lines a point x has the expected number of candidates per area
 //!
 //! ```text
@@ -90,6 +90,12 @@ impl<'a> Radii<'a> {
         self.parts().map(|(p, _)| p.near_radius()).fold(0.0, f32::max)
     }
 
+    /// Density per area of the plane, averaged over the disk of radius `r`.
+    fn disk_density(&self, r: f32) -> f32 {
+        let within: f32 = self.parts().map(|(p, w)| w * p.cdf(r)).sum();
+        within / (std::f32::consts::PI * r * r)
+    }
+
     /// Density per area of the plane.
     fn pdf_area(&self, r: f32) -> f32 {
         let log_r = r.log2();
@@ -106,8 +112,10 @@ pub struct Candidate {
     pub position: Vec3,
     /// Unit normal of the triangle, outwards.
     pub normal: Vec3,
-    /// Distance from x_o, metres.
+    /// Distance from x_o, metres; [`Candidate::least`] where it is smaller.
     pub distance: f32,
+    /// The radius within which distances are not told apart: there R is to be averaged.
+    pub least: f32,
     /// Expected number of candidates of the search per area, 1/m².
     pub pdf: f32,
 }
@@ -132,6 +140,8 @@ pub struct ExitSearch<'a> {
     axes: [Vec3; 3],
     radii: &'a Radii<'a>,
     least: f32,
+    /// Density per area within `least`.
+    innermost: f32,
     near: f32,
 }
 
@@ -140,7 +150,9 @@ impl<'a> ExitSearch<'a> {
     pub fn new(scene: &'a Scene, instance: u32, point: Vec3, normal: Vec3, radii: &'a Radii<'a>) -> Self {
         let (x, y) = orthonormal_basis(normal);
         let least = radii.least(point.abs().max_element());
-        Self { scene, instance, point, axes: [x, y, normal], radii, least, near: radii.near() }
+        let innermost = radii.disk_density(least);
+        let (axes, near) = ([x, y, normal], radii.near());
+        Self { scene, instance, point, axes, radii, least, innermost, near }
     }
 
     /// How far lines at the radius `r` go from the plane at least.
@@ -156,7 +168,8 @@ impl<'a> ExitSearch<'a> {
             let along = away.dot(*axis);
             let r = (squared - along * along).max(0.0).sqrt();
             let reached = if along.abs() <= self.reach(r) { share } else { share * FAR };
-            reached * normal.dot(*axis).abs() * self.radii.pdf_area(r.max(self.least))
+            let density = if r < self.least { self.innermost } else { self.radii.pdf_area(r) };
+            reached * normal.dot(*axis).abs() * density
         };
         self.axes.iter().zip([0.5 * SIDEWAYS, 0.5 * SIDEWAYS, LINES as f32]).map(of).sum()
     }
@@ -168,13 +181,14 @@ impl<'a> ExitSearch<'a> {
         for k in 0..LINES {
             let u_part = turned(u_part, GOLDEN, k);
             let u = Vec2::new(turned(u.x, 1.0 / LINES as f32, k), turned(u.y, GOLDEN, k));
-            self.cross(n, (x, y), u_part, u, rng.f32() < FAR, &mut visit);
+            let (far, again) = (rng.f32() < FAR, rng.f32());
+            self.cross(n, (x, y), u_part, u, (far, again), &mut visit);
         }
         if rng.f32() < SIDEWAYS {
             let (u_part, u) = (rng.f32(), rng.vec2());
             let far = rng.f32() < FAR;
             let (axis, across) = if rng.f32() < 0.5 { (x, (y, n)) } else { (y, (n, x)) };
-            self.cross(axis, across, u_part, u, far, &mut visit);
+            self.cross(axis, across, u_part, u, (far, rng.f32()), &mut visit);
         }
     }
 
@@ -185,10 +199,14 @@ impl<'a> ExitSearch<'a> {
         across: (Vec3, Vec3),
         u_part: f32,
         u: Vec2,
-        far: bool,
+        (far, sampled_again): (bool, f32),
         visit: &mut impl FnMut(Candidate),
     ) {
-        let r = self.radii.sample(u_part, u.x).max(self.least);
+        let mut r = self.radii.sample(u_part, u.x);
+        if r < self.least {
+            // Evenly over the disk.
+            r = self.least * sampled_again.sqrt();
+        }
         let (sin, cos) = fast_math::sin_cos_turns(u.y - 0.5);
         let middle = self.point + r * (cos * across.0 + sin * across.1);
         let geometry = &self.scene.geometry;
@@ -200,13 +218,17 @@ impl<'a> ExitSearch<'a> {
             self.reach(r)
         };
         let ray = Ray { origin: middle - reach * axis, direction: axis, t_max: 2.0 * reach };
+        let materials = &self.scene.mesh(self.instance).triangle_materials;
         geometry.visit_hits_of(self.instance, &ray, |hit| {
+            if self.scene.medium(materials[hit.triangle as usize]).is_none() {
+                return;
+            }
             let at = geometry.surface(&hit);
             let (position, normal) = (at.position, at.geometric_normal);
             let pdf = self.pdf(position, normal);
             let distance = position.distance(self.point).max(self.least);
             if pdf > 0.0 && pdf.is_finite() {
-                visit(Candidate { hit, position, normal, distance, pdf });
+                visit(Candidate { hit, position, normal, distance, least: self.least, pdf });
             }
         });
     }

@@ -100,6 +100,6 @@ fn shine_through(
     let entering = (1.0 - fresnel::dielectric(cos, eta)) * eta * eta;
     let (sigma_a, sigma_s) = sigmas_at(flight, surface.position);
     let scattered = Vec3::from(c.weigh(beta, 1, depth)) * (-(sigma_a + sigma_s) * hit.t).exp();
-    let tint = flight.scene.base_color(&surface).truncate();
+    let tint = flight.scene.straight_transmission(&surface);
     connector.deliver(&surface, &light, hit.t, scattered * tint * (entering / (4.0 * PI)), sampler);
 }

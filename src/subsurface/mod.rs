@@ -40,7 +40,7 @@ pub use random_walk::RandomWalk;
 pub use single_scattering::SingleScattering;
 pub use textured::TexturedMedium;
 
-use crate::geometry::Hit;
+use crate::geometry::{Hit, offset_origin};
 use crate::light::LightSample;
 use crate::optics::diffusion::{Coefficients, Cosines, RadialProfile, ScaleFit};
 use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
@@ -81,6 +81,28 @@ impl Flight<'_> {
             eta: f64::from(self.eta),
             ..Coefficients::of_medium(self.medium, i, 1.0)
         })
+    }
+
+    /// Whether the object ends at a point of its mesh: overlapping parts of the mesh, and objects of higher rank, hide the
+    /// boundaries that are inside of them.
+    pub fn is_interface(&self, surface: &Surface) -> bool {
+        let Object { in_parts, overlapped, ref intruders, rank, .. } = *self.object;
+        if !(in_parts || overlapped) {
+            return true;
+        }
+        let geometry = &self.scene.geometry;
+        let normal = surface.geometric_normal;
+        let outside = offset_origin(surface.position, surface.error, normal, normal);
+        let holds = |instance: u32| {
+            geometry.mesh_of(instance).contains(geometry.transform(instance).inverse_point(outside))
+        };
+        let hides = |other: u32| {
+            let object = &self.scene.objects[other as usize];
+            object.has_medium && object.closed && object.rank > rank && holds(other)
+        };
+        let own = in_parts && holds(surface.instance);
+        let foreign = || overlapped && intruders.iter().any(|i| hides(i.instance));
+        !(own || foreign())
     }
 
     /// Whether coefficients come from textures.

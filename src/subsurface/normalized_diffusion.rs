@@ -3,8 +3,9 @@
 //! shows per transmitted light, single scattering and the reflections inside of the boundary included
 //! ([`half_space::albedo`]).
 //!
-//! Without absorption the diffuse mean free path is infinite, and the fit by it spreads light beyond any object: there the
-//! fit by mean free path takes its place.
+//! Without absorption the diffuse mean free path is infinite, and the fit by it spreads light beyond any object: where it is
+//! longer than a thousand mean free paths (a reduced albedo above 1 − 3·10⁻⁷) the fit by mean free path takes its place.
+//! In objects smaller than the diffuse mean free path that fit still loses light.
 
 use super::radial::{Formula, Radial};
 use super::{Propagator, SubsurfaceModel};
@@ -12,6 +13,9 @@ use crate::optics::diffusion::{
     Coefficients, NormalizedDiffusion as Profile, RadialProfile, ScaleFit, half_space,
 };
 use crate::scene::Scene;
+
+/// Diffuse mean free paths longer than so many mean free paths are not followed.
+const FARTHEST: f64 = 1000.0;
 
 /// Normalized diffusion with one of its fits.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +57,7 @@ impl Formula for NormalizedDiffusion {
         let albedo = half_space::albedo(c.reduced_albedo(), c.eta);
         let diffuse = c.diffuse_mean_free_path();
         match self.fit {
-            ScaleFit::SearchlightDmfp if diffuse.is_finite() => {
+            ScaleFit::SearchlightDmfp if diffuse < FARTHEST * c.transport_mean_free_path() => {
                 Box::new(Profile::new(albedo, diffuse, ScaleFit::SearchlightDmfp))
             }
             ScaleFit::SearchlightDmfp => {

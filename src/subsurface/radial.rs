@@ -94,12 +94,15 @@ impl<F: Formula> Propagator for Radial<F> {
         let Some(radii) = tables.radii(beta) else { return Arrival::Ended };
         let search =
             ExitSearch::new(flight.scene, hit.instance, from.position, from.geometric_normal, &radii);
-        let found = search.find(beta, sampler, |c| self.tables.reflectance(flight, tables, c));
+        let found = search.find(beta, sampler, |c| self.tables.reflectance(flight, &tables, c));
         let Some(found) = found else { return Arrival::Ended };
         let eta = flight.eta;
         let surface = Surface::new(flight.scene, &found.candidate.hit);
         let lobe = if self.formula.normalized() { 1.0 } else { 1.0 - fresnel::diffuse_reflectance(eta) };
-        let tint = flight.scene.base_color(&surface).truncate();
+        if !flight.is_interface(&surface) {
+            return Arrival::Ended;
+        }
+        let tint = flight.scene.straight_transmission(&surface);
         head.throughput *= found.reflectance * tint * (found.inverse_pdf * eta * eta * lobe);
         Arrival::Exit(Box::new(Exit { surface, lobe: Box::new(DiffuseExit::new(eta)) }))
     }

@@ -92,6 +92,9 @@ pub(super) fn connect(
     }
     let eta = flight.eta;
     let cos_inside = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt();
+    if cos_inside <= 0.0 {
+        return;
+    }
     let length = hit.t * cos / cos_inside;
     // Refracted towards the light: the tangential part shrinks by η.
     let inside = ((light.direction - cos * n) / eta + cos_inside * n).normalize();
@@ -99,6 +102,6 @@ pub(super) fn connect(
     let entering = (1.0 - fresnel::dielectric(cos, eta)) * cos / cos_inside;
     let (sigma_a, sigma_s) = sigmas_at(flight, surface.position);
     let scattered = Vec3::from(c.weigh(beta, 1, t)) * (-(sigma_a + sigma_s) * length).exp();
-    let tint = flight.scene.base_color(&surface).truncate();
+    let tint = flight.scene.straight_transmission(&surface);
     connector.deliver(&surface, &light, hit.t, scattered * tint * (phase * entering), sampler);
 }

@@ -8,7 +8,9 @@ use super::{Flight, TexturedMedium};
 use crate::optics::diffusion::{Coefficients, RadialProfile, TabulatedProfile};
 use crate::scene::Scene;
 use glam::Vec3;
-use std::sync::OnceLock;
+use std::collections::HashMap;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock, RwLock};
 
 /// Densities of the media whose profiles radii are drawn from where coefficients are textured.
 const THINNER: [f64; 2] = [0.25, 0.0625];
@@ -18,30 +20,52 @@ pub(super) type Profile = dyn Fn(&Coefficients) -> Box<dyn RadialProfile> + Send
 
 /// What a model knows of each medium, by the material and the index around it; made when first used.
 pub(super) struct PerMedium<T> {
-    /// Indices that a medium can be in: vacuum, and those of all media.
-    around: Vec<f32>,
-    /// For each material and each of those.
-    cells: Vec<OnceLock<Box<T>>>,
+    /// In vacuum, for each material.
+    alone: Vec<OnceLock<Box<T>>>,
+    /// By the material and the bits of the relative index.
+    elsewhere: RwLock<HashMap<(u32, u32), Arc<T>>>,
+}
+
+/// A value of [`PerMedium`].
+pub(super) enum Held<'a, T> {
+    Alone(&'a T),
+    Elsewhere(Arc<T>),
+}
+
+impl<T> Deref for Held<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        match self {
+            Self::Alone(value) => value,
+            Self::Elsewhere(value) => value,
+        }
+    }
 }
 
 impl<T> PerMedium<T> {
     pub fn new(scene: &Scene) -> Self {
-        let materials = scene.description.materials.len() as u32;
-        let mut around = vec![1.0];
-        for medium in (0..materials).filter_map(|m| scene.medium(m)) {
-            if !around.contains(&medium.ior) {
-                around.push(medium.ior);
-            }
-        }
-        let cells = (0..materials as usize * around.len()).map(|_| OnceLock::new()).collect();
-        Self { around, cells }
+        let alone = (0..scene.description.materials.len()).map(|_| OnceLock::new()).collect();
+        Self { alone, elsewhere: RwLock::default() }
     }
 
     /// The value for the medium of a flight.
-    pub fn get(&self, flight: &Flight<'_>, make: impl FnOnce() -> T) -> &T {
-        let surrounding = self.around.iter().position(|outside| flight.medium.ior / outside == flight.eta);
-        let first = flight.enclosure.material as usize * self.around.len();
-        self.cells[first + surrounding.unwrap_or(0)].get_or_init(|| Box::new(make()))
+    pub fn get(&self, flight: &Flight<'_>, make: impl FnOnce() -> T) -> Held<'_, T> {
+        let material = flight.enclosure.material;
+        if flight.eta == flight.medium.ior
+            && let Some(cell) = self.alone.get(material as usize)
+        {
+            return Held::Alone(cell.get_or_init(|| Box::new(make())));
+        }
+        let key = (material, flight.eta.to_bits());
+        let known = self.elsewhere.read().ok().and_then(|known| known.get(&key).cloned());
+        Held::Elsewhere(known.unwrap_or_else(|| {
+            let value = Arc::new(make());
+            if let Ok(mut known) = self.elsewhere.write() {
+                known.insert(key, value.clone());
+            }
+            value
+        }))
     }
 }
 
@@ -64,14 +88,15 @@ impl Tables {
     }
 
     /// The tables of the medium of a flight.
-    pub fn of(&self, flight: &Flight<'_>) -> &MediumTables {
+    pub fn of(&self, flight: &Flight<'_>) -> Held<'_, MediumTables> {
         self.media.get(flight, || MediumTables::new(flight, &self.profile))
     }
 
     /// R at a candidate, 1/m², each channel.
     pub fn reflectance(&self, flight: &Flight<'_>, tables: &MediumTables, c: &Candidate) -> Vec3 {
         if tables.thinner.is_empty() {
-            return tables.eval(c.distance);
+            return tables
+                .of_each(|t| if c.distance > c.least { t.eval(c.distance) } else { t.disk_mean(c.least) });
         }
         let at = coefficients_at(flight, c.position);
         Vec3::from_array(at.map(|c_i| {
@@ -99,14 +124,13 @@ impl MediumTables {
         Self { channels: own.map(|c| table(&c)), thinner }
     }
 
-    /// The untextured R(r), 1/m², each channel.
-    pub fn eval(&self, r: f32) -> Vec3 {
-        Vec3::from_array([0, 1, 2].map(|i| self.channels[i].as_ref().map_or(0.0, |t| t.eval(r))))
+    fn of_each(&self, value: impl Fn(&TabulatedProfile) -> f32) -> Vec3 {
+        Vec3::from_array([0, 1, 2].map(|i| self.channels[i].as_ref().map_or(0.0, &value)))
     }
 
     /// ∫ R, each channel.
     pub fn total(&self) -> Vec3 {
-        Vec3::from_array([0, 1, 2].map(|i| self.channels[i].as_ref().map_or(0.0, TabulatedProfile::total)))
+        self.of_each(TabulatedProfile::total)
     }
 
     /// The radii that a path with the throughput `beta` is to be searched at. `None`: nothing is scattered.

@@ -99,11 +99,11 @@ impl PathTracer<'_> {
         if !to_front && s.enclosure.is_some() && !s.lit_inside {
             return Vec3::ZERO;
         }
-        let f = s.bsdf.eval(s.wo, wi);
+        let (f, pdf) = s.bsdf.eval_pdf(s.wo, wi);
         if f.max_element() <= 0.0 {
             return Vec3::ZERO;
         }
-        let by_chance = if light.delta { 0.0 } else { s.bsdf.pdf(s.wo, wi) };
+        let by_chance = if light.delta { 0.0 } else { pdf };
         let techniques = Techniques::new(&s.reached.aimed, light.direction, light.pdf, by_chance);
         let weight = if s.reached.by_aiming { techniques.weigh_aimed() } else { techniques.weigh_light() };
         let contribution = f * light.radiance * (weight / light.pdf);
@@ -161,7 +161,7 @@ impl PathTracer<'_> {
     }
 
     /// What a segment inside of the current medium lets through.
-    fn segment_transmittance(
+    pub(super) fn segment_transmittance(
         &self,
         origin: Vec3,
         direction: Vec3,
@@ -208,6 +208,11 @@ impl PathTracer<'_> {
             if entering { stack.enter(enclosure) } else { stack.leave(enclosure.instance) }
         }
         through * covered + Vec3::splat(1.0 - covered)
+    }
+
+    /// Whether light comes into a medium there.
+    pub(super) fn bounds_medium(&self, surface: &Surface) -> bool {
+        self.scene.medium(surface.material).is_some()
     }
 
     /// The object whose boundary a surface is, if it bounds a medium.

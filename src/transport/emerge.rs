@@ -127,7 +127,8 @@ impl Connector for FlightLights<'_, '_> {
     ) {
         let contribution = throughput * light.radiance / light.pdf;
         let distance = light.distance - covered;
-        if contribution.max_element() <= 0.0 || distance <= 0.0 {
+        let counts = contribution.is_finite() && contribution.max_element() > 0.0 && distance > 0.0;
+        if !counts || !self.tracer.bounds_medium(surface) {
             return;
         }
         let mut stack = self.stack;

@@ -2,7 +2,7 @@
 
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
-use super::media::{Crossing, Enclosure, MediumStack};
+use super::media::{Crossing, MediumStack};
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
 use crate::geometry::{Hit, Ray};
@@ -110,10 +110,12 @@ impl PathTracer<'_> {
         else {
             return self.straight(path);
         };
-        if medium.sigma_s.max_element() <= 0.0 && !self.textured(enclosure) {
+        if medium.sigma_s.max_element() <= 0.0 {
+            let PathHead { position, direction, .. } = path.head;
             let arrival = self.straight(path);
             if let Arrival::Surface(hit) = &arrival {
-                path.head.throughput *= (-medium.sigma_a * hit.t).exp();
+                path.head.throughput *=
+                    self.segment_transmittance(position, direction, hit.t, &path.stack, sampler);
             }
             return arrival;
         }
@@ -157,11 +159,6 @@ impl PathTracer<'_> {
         } else {
             Connection::None
         }
-    }
-
-    fn textured(&self, enclosure: Enclosure) -> bool {
-        let medium = self.scene.material(enclosure.material).medium.as_ref();
-        medium.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
     }
 
     fn straight(&self, path: &mut Path) -> Arrival {

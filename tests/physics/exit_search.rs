@@ -4,7 +4,7 @@ use crate::lab::*;
 use glam::{Affine3A, Quat, Vec3};
 use nephrite::geometry::Hit;
 use nephrite::optics::diffusion::{BetterDipole, Coefficients, RadialProfile, TabulatedProfile};
-use nephrite::sampling::SmallRng;
+use nephrite::sampling::{Sampler, SmallRng};
 use nephrite::scene::*;
 use nephrite::subsurface::{ExitSearch, Radii};
 
@@ -157,5 +157,61 @@ fn searches_integrate_profiles_over_meshes() {
         let se = (variance / n).sqrt();
         println!("{what}: {mean:.5} ± {se:.5}, quadrature {exact:.5}");
         assert!(se < 0.005 * exact && (mean - exact).abs() < 4.0 * se, "{what}: {mean} ± {se}, not {exact}");
+    }
+}
+
+/// The whole search, one candidate kept by the light of a lamp that leaves half of the body dark, integrates three profiles
+/// of very different extent at once, at the origin and where coordinates are rounded to a good part of the smallest.
+#[test]
+fn kept_candidates_integrate_profiles_over_meshes() {
+    let media = [1.0, 5.0, 25.0].map(|density| Coefficients {
+        sigma_a: 50.0 * density,
+        sigma_s: 950.0 * density,
+        ..MEDIUM
+    });
+    let tables = media.map(|c| TabulatedProfile::new(&BetterDipole::new(&c)).expect("scatters"));
+    let radii = Radii::new(tables.iter().map(|t| (t, t.total()))).expect("weights");
+    for away in [0.0, 30.0] {
+        let material = subsurface(Vec3::splat(50.0), Vec3::splat(950.0), 0.0, 1.4, 0.0);
+        let mut description = single(icosphere(0.004, 4, false), material, EnvironmentDescription::default());
+        description.instances = vec![place(0, Affine3A::from_translation(Vec3::new(away, 0.0, 0.0)))];
+        description.lights = vec![PunctualLight {
+            name: String::new(),
+            intensity: Vec3::ONE,
+            position: Vec3::new(away + 0.02, 0.01, 0.0),
+            direction: Vec3::NEG_Z,
+            range: None,
+            kind: PunctualKind::Point,
+        }];
+        let scene = Scene::build(description).expect("builds");
+        let geometry = scene.geometry.mesh_of(0);
+        let own = geometry.triangle(37);
+        let middle = own[0] + 0.3 * (own[1] - own[0]) + 0.3 * (own[2] - own[0]);
+        let exact = media.map(|c| {
+            let profile = BetterDipole::new(&c);
+            let of = |t: u32| {
+                let fine = geometry.triangle(t)[0].distance(middle) < 1e-3;
+                integral(geometry.triangle(t), if fine { 6 } else { 2 }, &|p| {
+                    profile.eval(f64::from(p.distance(middle)).max(1e-7))
+                })
+            };
+            (0..geometry.triangle_count() as u32).map(of).sum::<f64>()
+        });
+        let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: 37, u: 0.3, v: 0.3 });
+        let search = ExitSearch::new(&scene, 0, at.position, at.geometric_normal, &radii);
+        let values: Vec<[f64; 3]> = (0..LINES)
+            .map(|sample| {
+                let mut sampler = Sampler::new(1, sample, 5);
+                let found = search.find(Vec3::ONE, &mut sampler, |c| {
+                    let value = |t: &TabulatedProfile| {
+                        if c.distance > c.least { t.eval(c.distance) } else { t.disk_mean(c.least) }
+                    };
+                    Vec3::from_array([0, 1, 2].map(|i| value(&tables[i])))
+                });
+                found.map_or([0.0; 3], |f| (f.reflectance * f.inverse_pdf).as_dvec3().to_array())
+            })
+            .collect();
+        // The quadrature at the densest profile's peak, and rounding of positions 30 m away.
+        Estimate::of(&values).assert_matches(exact, exact.map(|e| 2e-3 * e), &format!("{away} m away"));
     }
 }

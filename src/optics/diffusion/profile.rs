@@ -176,6 +176,24 @@ impl TabulatedProfile {
         a.r + (b.r - a.r) * (xi * (a.pdf + b.pdf) / (a.pdf + root)).min(1.0)
     }
 
+    /// Probability of a radius smaller than `r` in m.
+    pub fn cdf(&self, r: f32) -> f32 {
+        let last = self.nodes.len() - 1;
+        let k = self.nodes.partition_point(|n| n.r <= r).saturating_sub(1);
+        if k == last {
+            let tail = (-(r - self.nodes[last].r) / self.tail_length).exp();
+            return if self.tail > 0.0 { 1.0 - self.tail * tail } else { 1.0 };
+        }
+        let (a, b) = (self.nodes[k], self.nodes[k + 1]);
+        let (step, x) = (b.r - a.r, r - a.r);
+        a.cdf + x * (a.pdf + 0.5 * (b.pdf - a.pdf) * x / step)
+    }
+
+    /// R averaged over the disk of radius `r` in m, 1/m².
+    pub fn disk_mean(&self, r: f32) -> f32 {
+        self.total * self.cdf(r) / (std::f32::consts::PI * r * r)
+    }
+
     /// Density of the sampled radius at `r` ≥ 0 in m, 1/m; integrates to 1.
     #[inline]
     pub fn pdf_radius(&self, r: f32) -> f32 {

@@ -129,7 +129,8 @@ pub fn measure(
     control: &dyn RenderControl,
 ) -> Result<Histogram, SearchlightError> {
     let c = &light.coefficients;
-    if !(c.scatters() && c.sigma_t().is_finite() && c.eta.is_finite()) {
+    let measurable = c.transport_mean_free_path().is_finite() && c.sigma_t().is_finite() && c.eta.is_finite();
+    if !(c.scatters() && measurable) {
         return Err(SearchlightError::NothingScattered);
     }
     let (description, face) = half_space::build(c);
