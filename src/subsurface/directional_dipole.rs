@@ -198,7 +198,7 @@ fn unscattered(flight: &Flight<'_>, head: &PathHead, sampler: &mut Sampler) -> O
     let geometry = &flight.scene.geometry;
     let textured = flight.is_textured();
     let medium = flight.medium;
-    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
+    let c = Coefficients::of_one_event(medium.sigma_a, medium.sigma_s, medium.g);
     let beta = head.throughput.into();
     let t_max = if textured {
         f32::INFINITY

@@ -140,8 +140,6 @@ pub struct ExitSearch<'a> {
     axes: [Vec3; 3],
     radii: &'a Radii<'a>,
     least: f32,
-    /// Density per area within `least`.
-    innermost: f32,
     near: f32,
 }
 
@@ -150,9 +148,7 @@ impl<'a> ExitSearch<'a> {
     pub fn new(scene: &'a Scene, instance: u32, point: Vec3, normal: Vec3, radii: &'a Radii<'a>) -> Self {
         let (x, y) = orthonormal_basis(normal);
         let least = radii.least(point.abs().max_element());
-        let innermost = radii.disk_density(least);
-        let (axes, near) = ([x, y, normal], radii.near());
-        Self { scene, instance, point, axes, radii, least, innermost, near }
+        Self { scene, instance, point, axes: [x, y, normal], radii, least, near: radii.near() }
     }
 
     /// How far lines at the radius `r` go from the plane at least.
@@ -168,7 +164,8 @@ impl<'a> ExitSearch<'a> {
             let along = away.dot(*axis);
             let r = (squared - along * along).max(0.0).sqrt();
             let reached = if along.abs() <= self.reach(r) { share } else { share * FAR };
-            let density = if r < self.least { self.innermost } else { self.radii.pdf_area(r) };
+            let radii = &self.radii;
+            let density = if r < self.least { radii.disk_density(self.least) } else { radii.pdf_area(r) };
             reached * normal.dot(*axis).abs() * density
         };
         self.axes.iter().zip([0.5 * SIDEWAYS, 0.5 * SIDEWAYS, LINES as f32]).map(of).sum()

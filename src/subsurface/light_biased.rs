@@ -78,7 +78,7 @@ fn shine_through(
     let geometry = &flight.scene.geometry;
     let from = geometry.surface(hit);
     let (sigma_a, sigma_s) = sigmas_at(flight, from.position);
-    let c = Coefficients::new(sigma_a, sigma_s, 0.0, 1.0);
+    let c = Coefficients::of_one_event(sigma_a, sigma_s, 0.0);
     let beta = head.throughput.into();
     let depth = draw_flight(sampler.rng()) * c.draw_mean_free_path(beta, sampler.rng());
     let down = -from.geometric_normal;

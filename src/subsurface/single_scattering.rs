@@ -71,7 +71,7 @@ pub(super) fn connect(
 ) {
     let medium = flight.medium;
     let (sigma_a, sigma_s) = sigmas_at(flight, head.position);
-    let c = Coefficients::new(sigma_a, sigma_s, medium.g, 1.0);
+    let c = Coefficients::of_one_event(sigma_a, sigma_s, medium.g);
     let beta = head.throughput.into();
     let t = draw_flight(sampler.rng()) * c.draw_mean_free_path(beta, sampler.rng());
     let instance = flight.enclosure.instance;

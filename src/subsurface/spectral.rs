@@ -65,6 +65,24 @@ impl Coefficients {
         }
     }
 
+    /// As [`Coefficients::new`], for at most one event at a time.
+    pub fn of_one_event(sigma_a: Vec3, sigma_s: Vec3, g: f32) -> Self {
+        let sigma_t = sigma_a + sigma_s;
+        let largest = sigma_t.max_element().recip();
+        let (mut scattering, mut extinction) =
+            ([Vec3A::ONE; LONGEST_STRETCH + 1], [Vec3A::ONE; LONGEST_STRETCH + 1]);
+        scattering[1] = Vec3A::from(sigma_s * largest);
+        extinction[1] = Vec3A::from(sigma_t * largest);
+        Self {
+            sigma_t: sigma_t.into(),
+            mean_free_path: sigma_t.recip().to_array(),
+            scattering,
+            extinction,
+            stretch: 1,
+            phase: HenyeyGreenstein { g },
+        }
+    }
+
     /// The mean free path of a channel drawn from the mixture.
     #[inline]
     pub fn draw_mean_free_path(&self, throughput: Vec3A, rng: &mut SmallRng) -> f32 {
