@@ -10,7 +10,7 @@ use super::pipeline::{self, Cosines, Microfacet, RenderOptions, RenderStats, Sce
 use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::EnvArg;
-use crate::scene::{CameraDescription, Projection, SceneDescription};
+use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
 use serde_json::{Value, json};
 
 /// Aspect ratios that differ by less than this are the same.
@@ -57,6 +57,7 @@ impl Prepared {
         let (environment, is_studio) =
             pipeline::choose_environment(args.env.as_ref(), &description, reporter)?;
         description.environment = environment;
+        say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
         let load_seconds = watch.lap();
@@ -67,6 +68,7 @@ impl Prepared {
         progress.clear();
         let scene = scene?;
         let build_seconds = watch.lap();
+        warn_of_open_media(&scene, reporter);
         interrupt::check()?;
         let environment = environment_name(args.env.as_ref(), is_studio);
         Ok(Self { scene, camera, width, height, environment, load_seconds, build_seconds })
@@ -130,6 +132,37 @@ pub(super) fn report_counters(stats: &RenderStats, samples: f64, of: &str, repor
     }
     if stats.invalid_samples > 0 {
         reporter.warning(format!("{of}{} samples were not finite and count as black", stats.invalid_samples));
+    }
+}
+
+/// Options that turn or dim what is not there, or looks the same from all sides, are more likely a mistake.
+fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, reporter: &Reporter) {
+    if let EnvironmentDescription::Constant(radiance) = scene.environment {
+        if args.env_rotation != 0.0 {
+            reporter.note("--env-rotation does nothing: the environment is the same from all sides");
+        }
+        if args.env_intensity != 1.0 && radiance.max_element() <= 0.0 {
+            reporter.note("--env-intensity does nothing: there is no environment (choose one with --env)");
+        }
+    }
+}
+
+/// Media need closed meshes: elsewhere there is no telling what is inside.
+fn warn_of_open_media(scene: &Scene, reporter: &Reporter) {
+    const MOST_NAMED: usize = 5;
+    let objects = scene.objects.iter().zip(&scene.description.instances);
+    let open: Vec<String> = objects
+        .filter(|(object, _)| object.has_medium && !object.closed)
+        .map(|(_, instance)| format!("{:?} ({})", instance.name, instance.pointer))
+        .collect();
+    if !open.is_empty() {
+        let more = open.len().saturating_sub(MOST_NAMED);
+        let named: Vec<&str> = open.iter().take(MOST_NAMED).map(String::as_str).collect();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        reporter.warning(format!(
+            "{}{more}: the mesh is not closed, so light may leak out of its medium (`nephrite inspect` says where)",
+            named.join(", ")
+        ));
     }
 }
 

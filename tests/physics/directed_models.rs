@@ -154,7 +154,7 @@ fn the_directional_dipole_is_its_formula() {
         let entry = directional::Entry { x: DVec3::new(r, 0.0, 0.0), n: DVec3::Z, w };
         transmitted(w.z) * model.s_d(&entry, &exit) * w.z
     };
-    for (radius, spp) in [(3e-4f64, 768), (1e-3, 192), (3e-3, 128)] {
+    for (radius, spp) in [(3e-4f64, 256), (1e-3, 64), (3e-3, 48)] {
         let height = radius / ANGLE.tan();
         let kind = PunctualKind::Spot { inner: ANGLE as f32, outer: ANGLE as f32 };
         let position = Vec3::new(0.0, 0.0, height as f32);

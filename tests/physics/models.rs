@@ -69,7 +69,7 @@ fn profiles_are_those_of_the_formulas() {
     let material = subsurface(SIGMA_A, SIGMA_S, 0.0, ETA, 0.0);
     let dark = EnvironmentDescription::Constant(Vec3::ZERO);
     for (model, _, normalized) in radial_models() {
-        for (radius, spp) in [(3e-4f32, 768), (1e-3, 192), (3e-3, 128)] {
+        for (radius, spp) in [(3e-4f32, 256), (1e-3, 64), (3e-3, 48)] {
             let height = radius / ANGLE.tan();
             let mut description = single(cuboid(Vec3::splat(0.2)), material.clone(), dark.clone());
             description.lights = vec![PunctualLight {

@@ -148,7 +148,7 @@ fn check(group: &Group, thickness: f32, cosines: &[f32], what: &str) {
             let side = if above { "R" } else { "T" };
             let case = format!("{what} g {} n {} {side} at cosine {cosine}", group.g, group.n);
             let options = RenderOptions { seed: seed_of(&case), ..options(camera, 24, 0) };
-            let estimate = measure_to(&scene, &options, expected.map(|e| 0.004 * e));
+            let estimate = measure_to(&scene, &options, expected.map(|e| 0.0045 * e));
             estimate.assert_matches(expected, [1e-6; 3], &case);
         }
     }
