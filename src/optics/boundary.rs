@@ -136,17 +136,6 @@ impl DielectricBoundary {
         (if wo.z * wi.z > 0.0 { Vec3::splat(e) } else { self.crossing_weight(wo) * e }, pdf)
     }
 
-    /// Fresnel reflectance of the macroscopic surface; zero where it is 1, or boundaries are matched.
-    #[inline]
-    pub fn reflected_share(&self, wo: Vec3) -> f32 {
-        if matches!(self.kind, Kind::Matched) {
-            return 0.0;
-        }
-        let side = self.side(wo);
-        let share = fresnel::dielectric(side.wo.z, side.eta);
-        if share < 1.0 { share } else { 0.0 }
-    }
-
     /// Draws a direction; `u_lobe` in \[0, 1), `u` in \[0, 1)². `None` where single scattering loses the sample.
     ///
     /// With [`Microfacet::Multiple`] the density *is* the share of energy: the weight is 1 for every reflection and

@@ -61,16 +61,6 @@ impl Bsdf {
         }
     }
 
-    /// About the share of light that a boundary reflects; the numbers `u_lobe` below it are those that choose reflection.
-    /// Zero where there is no such choice, or reflection is all there is.
-    #[inline]
-    pub fn reflected_share(&self, wo: Vec3) -> f32 {
-        match self {
-            Self::Boundary(b) => b.reflected_share(wo),
-            _ => 0.0,
-        }
-    }
-
     /// Draws a direction; `u_lobe` in \[0, 1), `u` in \[0, 1)². `None` ends the path.
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {

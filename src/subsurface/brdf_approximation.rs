@@ -5,8 +5,9 @@
 //! The path leaves the object where it has entered. The boundary has chosen transmission, so F_t(ω_o) is already there,
 //! and the refracted direction ω_o′ is that of the path inside, microfacets included.
 
+use super::from_boundary::{FromBoundary, or_walk};
 use super::tables::coefficients_at;
-use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
+use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, SubsurfaceModel};
 use crate::geometry::Hit;
 use crate::optics::diffusion::{self, Cosines};
 use crate::optics::{ExitLobe, HenyeyGreenstein, fresnel};
@@ -32,28 +33,25 @@ impl SubsurfaceModel for BrdfApproximation {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(HalfSpace { cosines: self.cosines, fallback: RandomWalk.prepare(scene) })
+        or_walk(HalfSpace { cosines: self.cosines }, scene)
     }
 }
 
 struct HalfSpace {
     cosines: Cosines,
-    fallback: Box<dyn Propagator>,
 }
 
-impl Propagator for HalfSpace {
-    fn propagate(
+impl FromBoundary for HalfSpace {
+    fn arrive(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
-        sampler: &mut Sampler,
-        connector: &mut dyn Connector,
+        hit: &Hit,
+        _: &mut Sampler,
+        _: &mut dyn Connector,
     ) -> Arrival {
-        let Some(hit) = flight.entry(head) else {
-            return self.fallback.propagate(flight, head, sampler, connector);
-        };
         head.events += 1;
-        Arrival::Exit(Box::new(leave_here(flight, head, &hit, self.cosines)))
+        Arrival::Exit(Box::new(leave_here(flight, head, hit, self.cosines)))
     }
 }
 

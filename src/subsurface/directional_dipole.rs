@@ -10,11 +10,10 @@
 //! the path goes straight on to the boundary instead.
 
 use super::exit_search::ExitSearch;
+use super::from_boundary::{FromBoundary, or_walk};
 use super::spectral::{Coefficients, draw_flight};
 use super::tables::{PerMedium, Tables, coefficients_at};
-use super::{
-    Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel, TexturedMedium,
-};
+use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, SubsurfaceModel, TexturedMedium};
 use crate::geometry::{Hit, Ray};
 use crate::optics::diffusion::{self, Moments, directional};
 use crate::optics::{ExitLobe, fresnel};
@@ -45,18 +44,14 @@ impl SubsurfaceModel for DirectionalDipole {
         let profile = |c: &diffusion::Coefficients| -> Box<dyn diffusion::RadialProfile> {
             Box::new(diffusion::DirectionalDipole::new(c))
         };
-        Box::new(Directional {
-            tables: Tables::new(scene, Box::new(profile)),
-            formulas: PerMedium::new(scene),
-            fallback: RandomWalk.prepare(scene),
-        })
+        let formulas = PerMedium::new(scene);
+        or_walk(Directional { tables: Tables::new(scene, Box::new(profile)), formulas }, scene)
     }
 }
 
 struct Directional {
     tables: Tables,
     formulas: PerMedium<Formulas>,
-    fallback: Box<dyn Propagator>,
 }
 
 /// What does not depend on positions.
@@ -122,17 +117,15 @@ impl ExitLobe for Lobe {
     }
 }
 
-impl Propagator for Directional {
-    fn propagate(
+impl FromBoundary for Directional {
+    fn arrive(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
+        hit: &Hit,
         sampler: &mut Sampler,
-        connector: &mut dyn Connector,
+        _: &mut dyn Connector,
     ) -> Arrival {
-        let Some(hit) = flight.entry(head) else {
-            return self.fallback.propagate(flight, head, sampler, connector);
-        };
         let tables = self.tables.of(flight);
         let scattered = (head.throughput * tables.total()).element_sum();
         if let Some((hit, share)) = unscattered(flight, head, sampler) {
@@ -146,7 +139,7 @@ impl Propagator for Directional {
             head.throughput /= 1.0 - probability;
         }
         head.events += 1;
-        self.search(flight, head, &hit, sampler).map_or(Arrival::Ended, |exit| Arrival::Exit(Box::new(exit)))
+        self.search(flight, head, hit, sampler).map_or(Arrival::Ended, |exit| Arrival::Exit(Box::new(exit)))
     }
 }
 

@@ -13,9 +13,10 @@
 //! where it leaves, so nothing bleeds sideways, and other lights than the closest do not shine through.
 
 use super::brdf_approximation::leave_here;
+use super::from_boundary::{FromBoundary, or_walk};
 use super::spectral::{Coefficients, draw_flight};
 use super::tables::sigmas_at;
-use super::{Arrival, Connector, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
+use super::{Arrival, Connector, Flight, PathHead, Propagator, SubsurfaceModel};
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::diffusion::Cosines;
 use crate::optics::fresnel;
@@ -41,29 +42,26 @@ impl SubsurfaceModel for LightBiased {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Preview { cosines: self.cosines, fallback: RandomWalk.prepare(scene) })
+        or_walk(Preview { cosines: self.cosines }, scene)
     }
 }
 
 struct Preview {
     cosines: Cosines,
-    fallback: Box<dyn Propagator>,
 }
 
-impl Propagator for Preview {
-    fn propagate(
+impl FromBoundary for Preview {
+    fn arrive(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
+        hit: &Hit,
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Arrival {
-        let Some(hit) = flight.entry(head) else {
-            return self.fallback.propagate(flight, head, sampler, connector);
-        };
-        shine_through(flight, head, &hit, sampler, connector);
+        shine_through(flight, head, hit, sampler, connector);
         head.events += 1;
-        Arrival::Exit(Box::new(leave_here(flight, head, &hit, self.cosines)))
+        Arrival::Exit(Box::new(leave_here(flight, head, hit, self.cosines)))
     }
 }
 

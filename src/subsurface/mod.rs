@@ -16,6 +16,7 @@ mod brdf_approximation;
 mod dipole;
 mod directional_dipole;
 mod exit_search;
+mod from_boundary;
 mod light_biased;
 mod normalized_diffusion;
 mod photon_beam_diffusion;

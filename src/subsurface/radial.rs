@@ -6,8 +6,10 @@
 //! profile already is what leaves the surface. η² brings radiance out of the medium again, the base colour tints the crossing.
 
 use super::exit_search::ExitSearch;
+use super::from_boundary::{FromBoundary, or_walk};
 use super::tables::Tables;
-use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
+use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator};
+use crate::geometry::Hit;
 use crate::optics::diffusion::{self, Coefficients, RadialProfile};
 use crate::optics::{DiffuseExit, fresnel};
 use crate::sampling::Sampler;
@@ -48,8 +50,6 @@ impl RadialProfile for Scaled {
 pub struct Radial<F> {
     formula: F,
     tables: Tables,
-    /// For flights that do not begin at the boundary: a camera in the medium.
-    fallback: Box<dyn Propagator>,
 }
 
 impl<F: Formula> Radial<F> {
@@ -69,27 +69,25 @@ impl<F: Formula> Radial<F> {
     pub fn prepare(formula: F, scene: &Scene) -> Box<dyn Propagator> {
         let profile = formula.clone();
         let tables = Tables::new(scene, Box::new(move |c| profile.profile(c)));
-        Box::new(Self { formula, tables, fallback: RandomWalk.prepare(scene) })
+        or_walk(Self { formula, tables }, scene)
     }
 }
 
-impl<F: Formula> Propagator for Radial<F> {
-    fn propagate(
+impl<F: Formula> FromBoundary for Radial<F> {
+    fn arrive(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
+        hit: &Hit,
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Arrival {
-        let Some(hit) = flight.entry(head) else {
-            return self.fallback.propagate(flight, head, sampler, connector);
-        };
         if self.formula.adds_single_scattering() {
             super::single_scattering::connect(flight, head, sampler, connector);
         }
         head.events += 1;
         let tables = self.tables.of(flight);
-        let from = flight.scene.geometry.surface(&hit);
+        let from = flight.scene.geometry.surface(hit);
         let beta = head.throughput;
         let Some(radii) = tables.radii(beta) else { return Arrival::Ended };
         let search =

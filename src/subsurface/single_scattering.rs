@@ -14,10 +14,11 @@
 //! Textured coefficients are those of x_o for scattering and the way to the camera, those of x_i for the way of the light
 //! (Jensen et al. 2001, §3.3).
 
+use super::from_boundary::{FromBoundary, or_walk};
 use super::spectral::{Coefficients, draw_flight};
 use super::tables::sigmas_at;
-use super::{Arrival, Connector, Flight, PathHead, Propagator, RandomWalk, SubsurfaceModel};
-use crate::geometry::Ray;
+use super::{Arrival, Connector, Flight, PathHead, Propagator, SubsurfaceModel};
+use crate::geometry::{Hit, Ray};
 use crate::optics::fresnel;
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
@@ -37,25 +38,21 @@ impl SubsurfaceModel for SingleScattering {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        Box::new(Single { fallback: RandomWalk.prepare(scene) })
+        or_walk(Single, scene)
     }
 }
 
-struct Single {
-    fallback: Box<dyn Propagator>,
-}
+struct Single;
 
-impl Propagator for Single {
-    fn propagate(
+impl FromBoundary for Single {
+    fn arrive(
         &self,
         flight: &Flight<'_>,
         head: &mut PathHead,
+        _: &Hit,
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Arrival {
-        if flight.entry(head).is_none() {
-            return self.fallback.propagate(flight, head, sampler, connector);
-        }
         connect(flight, head, sampler, connector);
         head.events += 1;
         Arrival::Ended
