@@ -13,7 +13,7 @@ use super::lobe::{Lobe, Warp};
 use super::loss::Quadrature;
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Least roughness of the tables, and of a boundary that is not taken for smooth.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
@@ -65,22 +65,22 @@ pub(super) fn correlation(eta: f32) -> f32 {
 
 /// One roughness.
 struct Slice {
-    alpha: f32,
     sides: [Lobe; 2],
     exchange: f32,
 }
 
-/// Loss and exchange of a rough boundary of one relative index, for every roughness.
+/// Loss and exchange of a rough boundary of one relative index, for every roughness. Slices are made when a roughness
+/// first needs them: most scenes need few of them.
 pub struct BoundaryTables {
     eta: f32,
-    slices: Vec<Slice>,
+    alphas: [f32; SLICES],
+    slices: [OnceLock<Slice>; SLICES],
 }
 
 impl BoundaryTables {
     /// The tables for relative index `eta` (> 0; an index and its inverse share tables).
     ///
-    /// Built on first use, which takes some tens of milliseconds, and kept for the life of the process, about 170 kB
-    /// each. Later calls from the same thread take no lock as long as it uses few indices.
+    /// Kept for the life of the process, up to 170 kB each. Later calls from the same thread take no lock as long as it uses few indices.
     pub fn get(eta: f32) -> &'static Self {
         const RECENT: usize = 4;
         type Entry = (f32, Option<&'static BoundaryTables>);
@@ -111,32 +111,19 @@ impl BoundaryTables {
             .or_insert_with(|| Box::leak(Box::new(Self::new(eta))))
     }
 
-    /// Builds the tables for `eta` > 1. The same on every machine, however many threads it has.
+    /// The tables for `eta` > 1.
     pub fn new(eta: f32) -> Self {
-        let (rare, dense) = (Quadrature::<12, 12>::new(), Quadrature::<10, 12>::new());
-        let kappa = correlation(eta);
-        let average = fresnel::diffuse_reflectance(eta);
-        let slice = |j: usize| {
-            let alpha = slice_alpha(j);
-            let mut reflected = 0.0;
-            let mut last = (0.0, 0.0);
-            let outside = Lobe::new(Warp::new(alpha, eta), |mu| {
-                let lost = rare.lost(mu, alpha, eta, kappa);
-                reflected += (mu - last.0) * (mu * lost.reflected + last.0 * last.1);
-                last = (mu, lost.reflected);
-                lost.reflected + lost.refracted
-            });
-            let inside = Lobe::new(Warp::new(alpha, 1.0 / eta), |mu| {
-                let lost = dense.lost(mu, alpha, 1.0 / eta, kappa);
-                lost.reflected + lost.refracted
-            });
-            let stays = reflected * average.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
-            let feasible = outside.total().min(eta * eta * inside.total());
-            let exchange = (outside.total() - stays).clamp(0.0, feasible);
-            Slice { alpha, sides: [outside, inside], exchange }
-        };
-        let slices = in_parallel(SLICES, slice);
-        Self { eta, slices }
+        Self {
+            eta,
+            alphas: std::array::from_fn(slice_alpha),
+            slices: std::array::from_fn(|_| OnceLock::new()),
+        }
+    }
+
+    /// Slice `j`; the same on every machine, whichever thread makes it.
+    #[inline]
+    fn slice(&self, j: usize) -> &Slice {
+        self.slices[j].get_or_init(|| Slice::new(self.alphas[j], self.eta))
     }
 
     /// The index these tables were built for, ≥ 1: a multiple of 2⁻¹⁴ for those from [`BoundaryTables::get`].
@@ -150,13 +137,14 @@ impl BoundaryTables {
         let alpha = alpha.clamp(MIN_ROUGH_ALPHA, 1.0);
         let guess = (position(alpha) * (SLICES - 1) as f32) as usize;
         let mut j = guess.min(SLICES - 2);
-        if alpha < self.slices[j].alpha {
+        if alpha < self.alphas[j] {
             j = j.saturating_sub(1);
-        } else if alpha > self.slices[j + 1].alpha {
+        } else if alpha > self.alphas[j + 1] {
             j = (j + 1).min(SLICES - 2);
         }
-        let (low, high) = (&self.slices[j], &self.slices[j + 1]);
-        let t = ((alpha - low.alpha) / (high.alpha - low.alpha)).clamp(0.0, 1.0);
+        let (low, high) = (self.slice(j), self.slice(j + 1));
+        let (from, to) = (self.alphas[j], self.alphas[j + 1]);
+        let t = ((alpha - from) / (to - from)).clamp(0.0, 1.0);
         let mix = |f: &dyn Fn(&Slice) -> f32| f(low) * (1.0 - t) + f(high) * t;
         let total = [mix(&|s| s.sides[0].total()), mix(&|s| s.sides[1].total())];
         let exchange = mix(&|s| s.exchange);
@@ -166,23 +154,29 @@ impl BoundaryTables {
     }
 }
 
-/// `f(0)` to `f(count - 1)` on all cores. Plain threads: tables are built where a worker of a pool first meets an
-/// index, and a pool that is waited for while a lock is held could steal work that wants the same lock.
-fn in_parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(count);
-    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    let chunk = count.div_ceil(threads);
-    std::thread::scope(|scope| {
-        for (k, part) in results.chunks_mut(chunk).enumerate() {
-            let f = &f;
-            scope.spawn(move || {
-                for (i, result) in part.iter_mut().enumerate() {
-                    *result = Some(f(k * chunk + i));
-                }
-            });
-        }
-    });
-    results.into_iter().flatten().collect()
+impl Slice {
+    #[cold]
+    fn new(alpha: f32, eta: f32) -> Self {
+        let (rare, dense) = (Quadrature::<12, 12>::new(), Quadrature::<10, 12>::new());
+        let kappa = correlation(eta);
+        let mut reflected = 0.0;
+        let mut last = (0.0, 0.0);
+        let outside = Lobe::new(Warp::new(alpha, eta), |mu| {
+            let lost = rare.lost(mu, alpha, eta, kappa);
+            reflected += (mu - last.0) * (mu * lost.reflected + last.0 * last.1);
+            last = (mu, lost.reflected);
+            lost.reflected + lost.refracted
+        });
+        let inside = Lobe::new(Warp::new(alpha, 1.0 / eta), |mu| {
+            let lost = dense.lost(mu, alpha, 1.0 / eta, kappa);
+            lost.reflected + lost.refracted
+        });
+        let average = fresnel::diffuse_reflectance(eta);
+        let stays = reflected * average.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
+        let feasible = outside.total().min(eta * eta * inside.total());
+        let exchange = (outside.total() - stays).clamp(0.0, feasible);
+        Self { sides: [outside, inside], exchange }
+    }
 }
 
 impl std::fmt::Debug for BoundaryTables {

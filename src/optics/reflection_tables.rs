@@ -49,16 +49,16 @@ impl Reflection {
     pub(super) const SMOOTH: Self =
         Self { between: None, lost_average: 0.0, schlick_average: SCHLICK_AVERAGE };
 
-    /// At roughness `alpha`; smooth below [`MIN_ROUGH_ALPHA`]. The first call builds the tables.
+    /// At roughness `alpha`; smooth below [`MIN_ROUGH_ALPHA`]. Slices are made when they are first needed.
     pub(super) fn at(alpha: f32) -> Self {
-        static ALL: OnceLock<Vec<Slice>> = OnceLock::new();
+        static ALL: [OnceLock<Slice>; SLICES] = [const { OnceLock::new() }; SLICES];
         if alpha < MIN_ROUGH_ALPHA {
             return Self::SMOOTH;
         }
-        let slices = ALL.get_or_init(build);
+        let slice = |j: usize| ALL[j].get_or_init(|| Slice::new(j));
         let x = (1.0 - alpha.min(1.0).ln() / MIN_ROUGH_ALPHA.ln()) * (SLICES - 1) as f32;
         let j = (x as usize).min(SLICES - 2);
-        let (low, high, t) = (&slices[j], &slices[j + 1], (x - j as f32).clamp(0.0, 1.0));
+        let (low, high, t) = (slice(j), slice(j + 1), (x - j as f32).clamp(0.0, 1.0));
         Self {
             between: Some((low, high, t)),
             lost_average: mix(low.lobe.total(), high.lobe.total(), t),
@@ -97,6 +97,32 @@ impl std::fmt::Debug for Reflection {
 }
 
 impl Slice {
+    #[cold]
+    fn new(j: usize) -> Self {
+        let alpha = MIN_ROUGH_ALPHA.powf(1.0 - j as f32 / (SLICES - 1) as f32);
+        let quadrature = Quadrature::<12, 12>::new();
+        let mut schlick = Vec::with_capacity(CELLS + 1);
+        let lobe = Lobe::new(Warp::new(alpha, 1.0), |mu| {
+            let mut d = Directional { lost: 0.0, schlick: 0.0 };
+            quadrature.lines(mu, alpha, 1.0, 0.0, |line| {
+                d.lost += line.masked_reflected;
+                d.schlick += schlick_weight(line.cos) * (line.facing - line.masked_reflected);
+            });
+            schlick.push(d.schlick);
+            d.lost
+        });
+        let schlick: [f32; CELLS + 1] = std::array::from_fn(|i| schlick[i]);
+        let mu = lobe.nodes();
+        let schlick_average = (0..CELLS)
+            .map(|i| {
+                let (a, b) = (mu[i], mu[i + 1]);
+                let (p, q) = (schlick[i], schlick[i + 1]);
+                (b - a) * (2.0 * p * a + p * b + q * a + 2.0 * q * b) / 3.0
+            })
+            .sum();
+        Self { lobe, schlick, schlick_average }
+    }
+
     #[inline]
     fn directional(&self, mu: f32) -> Directional {
         let (i, t) = self.lobe.locate(mu);
@@ -107,37 +133,4 @@ impl Slice {
 #[inline]
 fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + t * (b - a)
-}
-
-fn build() -> Vec<Slice> {
-    let quadrature = Quadrature::<12, 12>::new();
-    let each = |mu: f32, alpha: f32| {
-        let mut d = Directional { lost: 0.0, schlick: 0.0 };
-        quadrature.lines(mu, alpha, 1.0, 0.0, |line| {
-            d.lost += line.masked_reflected;
-            d.schlick += schlick_weight(line.cos) * (line.facing - line.masked_reflected);
-        });
-        d
-    };
-    (0..SLICES)
-        .map(|j| {
-            let alpha = MIN_ROUGH_ALPHA.powf(1.0 - j as f32 / (SLICES - 1) as f32);
-            let mut schlick = Vec::with_capacity(CELLS + 1);
-            let lobe = Lobe::new(Warp::new(alpha, 1.0), |mu| {
-                let d = each(mu, alpha);
-                schlick.push(d.schlick);
-                d.lost
-            });
-            let schlick: [f32; CELLS + 1] = std::array::from_fn(|i| schlick[i]);
-            let mu = lobe.nodes();
-            let schlick_average = (0..CELLS)
-                .map(|i| {
-                    let (a, b) = (mu[i], mu[i + 1]);
-                    let (p, q) = (schlick[i], schlick[i + 1]);
-                    (b - a) * (2.0 * p * a + p * b + q * a + 2.0 * q * b) / 3.0
-                })
-                .sum();
-            Slice { lobe, schlick, schlick_average }
-        })
-        .collect()
 }
