@@ -17,6 +17,8 @@ mod dipole;
 mod directional_dipole;
 mod exit_search;
 mod from_boundary;
+mod guide;
+mod intruders;
 mod light_biased;
 mod normalized_diffusion;
 mod photon_beam_diffusion;

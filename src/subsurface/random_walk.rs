@@ -12,18 +12,23 @@
 //! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. What else reaches into the
 //! object's bounds is only asked for by flights that come near it.
 //!
+//! **Guiding.** Walks below a boundary that lights can be aimed through are drawn towards the strongest of them
+//! ([`super::guide`]).
+//!
 //! **Aimed connections.** At an event near the boundary, with probability a (less with depth and for paths of little
 //! weight), a direction ω is also aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that
 //! it finds directly is added. The path itself may find the same light: its direction has density p (the phase function),
 //! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
+use super::guide::Guide;
+use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
-use crate::geometry::{Aabb, DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
+use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
 use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::{Sampler, SmallRng, fast_math};
-use crate::scene::{Intruder, Scene};
+use crate::scene::Scene;
 use glam::{Vec3, Vec3A};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
@@ -130,7 +135,8 @@ fn walk_inside(
     let least_sigma_t = c.sigma_t.min_element();
     let aims = flight.connection == Connection::Boundary;
     let mut aiming = Aiming { mesh, transform, distance, aim: Aim::default(), rate: 0.0, state: None };
-    let mut phase_pdf = 0.0;
+    // The density of the last direction by the phase function, and the throughput before it was drawn.
+    let (mut phase_pdf, mut at_event) = (0.0, Vec3A::ZERO);
 
     let mut d = transform.inverse_direction(head.direction);
     let mut p = match &head.start {
@@ -149,15 +155,18 @@ fn walk_inside(
     // How far the boundary is at least.
     let mut clear = 0.0;
     let mut next_flight = draw_flight(sampler.rng());
+    let guide = if aims { guide(flight, c, p) } else { Guide::none() };
     let arrival = 'walk: loop {
-        let mean_free_path = c.draw_mean_free_path(beta, sampler.rng());
-        let stretch = c.stretch.min((flight.budget - head.events) as usize);
+        let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
+        let mut stretch = guide.stretch(channel, p, d, sampler.rng());
+        let most = c.stretch.min((flight.budget - head.events) as usize);
         let (mut collisions, mut length) = (0, 0.0);
-        while collisions < stretch {
-            let t = next_flight * mean_free_path;
+        while collisions < most {
+            let t = stretch.flight(next_flight * mean_free_path, d);
             // What comes next is drawn before the branches, which are hard to predict: it need not be done again.
             next_flight = draw_flight(sampler.rng());
-            let turned = redirect(c.phase, d, sampler.rng());
+            let guided = stretch.direction(sampler.rng());
+            let turned = guided.unwrap_or_else(|| redirect(c.phase, d, sampler.rng()));
             let intruder = intruders.intersect(p, outset.take(), d, t);
             let t_max = intruder.as_ref().map_or(t, |hit| hit.t);
             if t >= clear {
@@ -165,12 +174,11 @@ fn walk_inside(
                 if t >= clear {
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if aiming.rate > 0.0 && aiming.ready(p, clear, connector) {
-                            let beta = c.weigh(beta, collisions, length);
-                            let density = phase_pdf * c.arrival_probability(beta, hit.t);
+                            let density = phase_pdf * c.arrival_probability(at_event, hit.t);
                             head.aimed = aiming.aim.aimed(transform.direction(d), aiming.rate / density);
                         }
-                        beta = c.weigh(beta, collisions, length + hit.t);
                         p += d * hit.t;
+                        beta = stretch.weigh(c, beta, collisions, length + hit.t, (p, d));
                         break 'walk Arrival::Surface(placed(&hit, instance, transform.scale));
                     }
                     // Rounding next to a sharp edge may have let the walk out.
@@ -180,8 +188,8 @@ fn walk_inside(
                 }
             }
             if let Some(hit) = intruder {
-                beta = c.weigh(beta, collisions, length + hit.t);
                 p += d * hit.t;
+                beta = stretch.weigh(c, beta, collisions, length + hit.t, (p, d));
                 break 'walk Arrival::Surface(Hit { t: hit.t * transform.scale, ..hit });
             }
             p += d * t;
@@ -190,6 +198,7 @@ fn walk_inside(
             collisions += 1;
             head.events += 1;
             let incoming = d;
+            stretch.collide(incoming);
             d = turned;
             if !aims {
                 continue;
@@ -203,6 +212,7 @@ fn walk_inside(
                 continue;
             }
             phase_pdf = c.phase.eval_directions(incoming, d);
+            at_event = stretch.weigh_event(c, beta, collisions, length, p);
             // A path of little weight is not worth aiming.
             let worth = (beta.max_element() * radiance_scale).min(1.0);
             let decay = fast_math::exp_negative(Vec3A::splat(-AIMING_FALLOFF * clear * least_sigma_t));
@@ -216,17 +226,16 @@ fn walk_inside(
                 if let Some(hit) = mesh.intersect(&ray)
                     && intruders.intersect(p, None, local, hit.t).is_none()
                 {
-                    let beta = c.weigh(beta, collisions, length);
                     let phase = c.phase.eval_directions(incoming, local);
-                    let density = phase * c.arrival_probability(beta, hit.t);
-                    let throughput = beta * c.transmittance(hit.t) * (phase / (pdf * aiming.rate));
+                    let density = phase * c.arrival_probability(at_event, hit.t);
+                    let throughput = at_event * c.transmittance(hit.t) * (phase / (pdf * aiming.rate));
                     let aimed = aiming.aim.aimed(direction, aiming.rate / density);
                     let hit = placed(&hit, instance, transform.scale);
                     connector.emerge(&hit, direction, throughput.into(), &aiming.aim, aimed, sampler);
                 }
             }
         }
-        beta = c.weigh(beta, collisions, length);
+        beta = stretch.weigh(c, beta, collisions, length, (p, d));
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
         if survival == 0.0 || head.events >= flight.budget {
             break Arrival::Ended;
@@ -237,6 +246,21 @@ fn walk_inside(
     head.direction = transform.direction(d);
     head.throughput = beta.into();
     arrival
+}
+
+/// Guides the walk from `p` towards the strongest light.
+fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Guide {
+    let instance = flight.enclosure.instance;
+    let transform = flight.scene.geometry.transform(instance);
+    let from = transform.point(p);
+    let lights = flight.scene.beacons.iter().map(|b| b.seen_from(from));
+    let Some(light) = lights.max_by(|a, b| a.irradiance.total_cmp(&b.irradiance)) else {
+        return Guide::none();
+    };
+    let axis = transform.inverse_direction(light.direction);
+    let ray = Ray { origin: p, direction: axis, t_max: f32::INFINITY };
+    let ahead = flight.scene.geometry.mesh_of(instance).intersect(&ray).map_or(0.0, |hit| hit.t);
+    Guide::new(c, axis, ahead)
 }
 
 /// Aiming at the last event: how likely it was, and the directions, which are found when they are asked for.
@@ -270,48 +294,6 @@ impl Aiming<'_> {
         });
         self.state = Some(state);
         state
-    }
-}
-
-/// What else may be inside of the object of a walk.
-struct Intruders<'a> {
-    scene: &'a Scene,
-    all: &'a [Intruder],
-    transform: &'a Similarity,
-    /// Length beyond which a flight has left the object, in its own space.
-    longest: f32,
-}
-
-impl<'a> Intruders<'a> {
-    fn new(flight: &Flight<'a>, transform: &'a Similarity, longest: f32) -> Self {
-        Self { scene: flight.scene, all: &flight.object.intruders, transform, longest }
-    }
-
-    /// The first of them that a flight of length `t` meets; lengths are in the object's own space. `world` is `p` in world
-    /// space, where that is known better.
-    #[inline]
-    fn intersect(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
-        if self.all.is_empty() { None } else { self.intersect_all(p, world, d, t) }
-    }
-
-    fn intersect_all(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
-        let origin = world.unwrap_or_else(|| self.transform.point(p));
-        let direction = self.transform.direction(d);
-        let mut t_max = t.min(self.longest) * self.transform.scale;
-        let way = Aabb::from_points(&[origin, origin + direction * t_max]);
-        let mut first = None;
-        for other in self.all {
-            let apart = other.bounds.min.cmpgt(way.max).any() || other.bounds.max.cmplt(way.min).any();
-            if apart {
-                continue;
-            }
-            let ray = Ray { origin, direction, t_max };
-            if let Some(hit) = self.scene.geometry.intersect_instance(other.instance, &ray) {
-                t_max = hit.t;
-                first = Some(hit);
-            }
-        }
-        first.map(|hit| Hit { t: self.transform.inverse_length(hit.t), ..hit })
     }
 }
 

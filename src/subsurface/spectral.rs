@@ -18,7 +18,7 @@ use crate::sampling::{SmallRng, fast_math};
 use glam::{Vec3, Vec3A};
 
 /// Most events of a stretch.
-const LONGEST_STRETCH: usize = 8;
+pub(super) const LONGEST_STRETCH: usize = 8;
 /// Albedo to the power of a stretch's events is at least this.
 const STRETCH_SURVIVAL: f32 = 0.5;
 /// Ratio of extinctions beyond which every event is a stretch of its own.
@@ -28,6 +28,8 @@ const LARGEST_CONTRAST: f32 = 1e3;
 #[derive(Clone, Copy)]
 pub(super) struct Coefficients {
     pub sigma_t: Vec3A,
+    /// √(3 (1 − α)(1 − gα)): reciprocal of the diffusion length in mean free paths.
+    pub inverse_diffusion_length: Vec3A,
     mean_free_path: [f32; 3],
     /// Powers of σs and σt, relative to the largest σt.
     scattering: [Vec3A; LONGEST_STRETCH + 1],
@@ -49,6 +51,10 @@ impl Coefficients {
         } else {
             ((STRETCH_SURVIVAL.ln() / albedo.ln()) as usize).clamp(1, LONGEST_STRETCH)
         };
+        let inverse_diffusion_length = std::array::from_fn(|i| {
+            let albedo = if sigma_t[i] > 0.0 { sigma_s[i] * scale / sigma_t[i] } else { 0.0 };
+            (3.0 * (1.0 - albedo).max(0.0) * (1.0 - g * albedo)).sqrt()
+        });
         let mut scattering = [Vec3A::ONE; LONGEST_STRETCH + 1];
         let mut extinction = scattering;
         for n in 1..=LONGEST_STRETCH {
@@ -57,6 +63,7 @@ impl Coefficients {
         }
         Self {
             sigma_t: sigma_t.into(),
+            inverse_diffusion_length: Vec3A::from_array(inverse_diffusion_length),
             mean_free_path: sigma_t.recip().to_array(),
             scattering,
             extinction,
@@ -75,6 +82,7 @@ impl Coefficients {
         extinction[1] = Vec3A::from(sigma_t * largest);
         Self {
             sigma_t: sigma_t.into(),
+            inverse_diffusion_length: Vec3A::ZERO,
             mean_free_path: sigma_t.recip().to_array(),
             scattering,
             extinction,
@@ -83,10 +91,11 @@ impl Coefficients {
         }
     }
 
-    /// The mean free path of a channel drawn from the mixture.
+    /// A channel drawn from the mixture, and its mean free path.
     #[inline]
-    pub fn draw_mean_free_path(&self, throughput: Vec3A, rng: &mut SmallRng) -> f32 {
-        self.mean_free_path[pick_channel(throughput, rng.f32())]
+    pub fn draw_channel(&self, throughput: Vec3A, rng: &mut SmallRng) -> (usize, f32) {
+        let channel = pick_channel(throughput, rng.f32());
+        (channel, self.mean_free_path[channel])
     }
 
     /// The throughput after `collisions` (at most one stretch's) on the way of a length, in one stretch.
@@ -94,6 +103,20 @@ impl Coefficients {
     pub fn weigh(&self, throughput: Vec3A, collisions: usize, length: f32) -> Vec3A {
         let carried = throughput * self.relative_transmittance(throughput, length);
         let density = (carried * self.extinction[collisions]).element_sum();
+        carried * self.scattering[collisions] * (throughput.element_sum() / density)
+    }
+
+    /// The mean free path of a channel drawn from the mixture.
+    #[inline]
+    pub fn draw_mean_free_path(&self, throughput: Vec3A, rng: &mut SmallRng) -> f32 {
+        self.draw_channel(throughput, rng).1
+    }
+
+    /// As [`Coefficients::weigh`], where the density is `ways` times that of the plain walk in each channel.
+    #[inline]
+    pub fn weigh_ways(&self, throughput: Vec3A, collisions: usize, length: f32, ways: Vec3A) -> Vec3A {
+        let carried = throughput * self.relative_transmittance(throughput, length);
+        let density = (carried * self.extinction[collisions] * ways).element_sum();
         carried * self.scattering[collisions] * (throughput.element_sum() / density)
     }
 

@@ -1,0 +1,49 @@
+//! What else may be inside of the object of a walk: other objects that reach into it, which flights meet before its own
+//! boundary.
+
+use super::Flight;
+use crate::geometry::{Aabb, Hit, Ray, Similarity};
+use crate::scene::{Intruder, Scene};
+use glam::Vec3;
+
+/// What else may be inside of the object of a walk.
+pub(super) struct Intruders<'a> {
+    scene: &'a Scene,
+    all: &'a [Intruder],
+    transform: &'a Similarity,
+    /// Length beyond which a flight has left the object, in its own space.
+    longest: f32,
+}
+
+impl<'a> Intruders<'a> {
+    pub fn new(flight: &Flight<'a>, transform: &'a Similarity, longest: f32) -> Self {
+        Self { scene: flight.scene, all: &flight.object.intruders, transform, longest }
+    }
+
+    /// The first of them that a flight of length `t` meets; lengths are in the object's own space. `world` is `p` in world
+    /// space, where that is known better.
+    #[inline]
+    pub fn intersect(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
+        if self.all.is_empty() { None } else { self.intersect_all(p, world, d, t) }
+    }
+
+    fn intersect_all(&self, p: Vec3, world: Option<Vec3>, d: Vec3, t: f32) -> Option<Hit> {
+        let origin = world.unwrap_or_else(|| self.transform.point(p));
+        let direction = self.transform.direction(d);
+        let mut t_max = t.min(self.longest) * self.transform.scale;
+        let way = Aabb::from_points(&[origin, origin + direction * t_max]);
+        let mut first = None;
+        for other in self.all {
+            let apart = other.bounds.min.cmpgt(way.max).any() || other.bounds.max.cmplt(way.min).any();
+            if apart {
+                continue;
+            }
+            let ray = Ray { origin, direction, t_max };
+            if let Some(hit) = self.scene.geometry.intersect_instance(other.instance, &ray) {
+                t_max = hit.t;
+                first = Some(hit);
+            }
+        }
+        first.map(|hit| Hit { t: self.transform.inverse_length(hit.t), ..hit })
+    }
+}
