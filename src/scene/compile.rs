@@ -95,12 +95,7 @@ impl Scene {
         let mut scene = Self {
             has_see_through: false,
             objects: vec![Object::default(); description.instances.len()],
-            lights: Lights::build(
-                Vec::new(),
-                &[],
-                &EnvironmentDescription::default(),
-                (Vec3::ZERO, Vec3::ZERO),
-            ),
+            lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
             default_material: MaterialDescription::default(),
             beacons: Vec::new(),
             description: Arc::new(description),
@@ -111,7 +106,6 @@ impl Scene {
             mirrored,
         };
         let emitters = scene.emissive_triangles();
-        let bounds = scene.geometry.bounds();
         scene.compile_objects(&holds_medium, &emitters);
         scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && o.overlapped)
             || scene.description.materials.iter().any(|m| {
@@ -120,7 +114,7 @@ impl Scene {
             });
         let punctual = &scene.description.lights;
         let environment = &scene.description.environment;
-        scene.lights = Lights::build(emitters, punctual, environment, (bounds.min, bounds.max));
+        scene.lights = Lights::build(emitters, punctual, environment);
         scene.beacons = beacons(&scene.lights, punctual);
         let concentrated = scene.lights.environment().effective_solid_angle() < WIDEST_LIGHT;
         let aimable = concentrated || !scene.beacons.is_empty();
