@@ -57,7 +57,10 @@ fn points(n: usize) -> Lights {
 }
 
 fn main() {
-    println!("{:>8} {:>10} {:>12} {:>12} {:>12} {:>12}", "lights", "kind", "build, ms", "sample, ns", "pdf, ns", "variance");
+    println!(
+        "{:>8} {:>10} {:>12} {:>12} {:>12} {:>12}",
+        "lights", "kind", "build, ms", "sample, ns", "pdf, ns", "variance"
+    );
     for n in [10, 100, 1_000, 10_000, 100_000] {
         for (kind, build) in [("triangles", lamps as fn(usize) -> Lights), ("points", points)] {
             let start = Instant::now();
