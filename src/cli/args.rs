@@ -84,6 +84,11 @@ pub(super) struct SceneArgs {
     pub tonemap: ToneMap,
 
     /// Exposure of .png and .jpg in stops
+    /// Look up colour textures at points instead of averaging them over what a sample sees (noisier where textures are small
+    /// in the picture)
+    #[arg(long, hide_short_help = true)]
+    pub no_texture_filter: bool,
+
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = number, allow_negative_numbers = true)]
     pub exposure: f32,
 

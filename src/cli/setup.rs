@@ -90,6 +90,9 @@ impl Prepared {
         }
     }
 
+            filter_textures: !args.no_texture_filter,
+            ground: self.ground,
+            transparent: false,
     /// The options that change a picture, for its record; the model and the tone map are left to the caller.
     pub fn record(&self, args: &SceneArgs) -> Value {
         let mut recorded = json!({
@@ -101,6 +104,7 @@ impl Prepared {
             "max_depth": args.max_depth,
             "microfacet": match args.microfacet {
                 Microfacet::Multiple => "multiple",
+            "texture_filter": !args.no_texture_filter,
                 Microfacet::Single => "single",
             },
             "brdf_cosines": match args.brdf_cosines {

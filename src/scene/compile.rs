@@ -3,6 +3,7 @@
 use super::description::*;
 use super::emission::SceneEmission;
 use super::object::Object;
+use super::pyramid::Pyramid;
 use super::surface::Surface;
 use super::texture;
 use crate::geometry::{GeometryError, Hit, SceneGeometry, Topology};
@@ -51,6 +52,8 @@ pub struct Scene {
     pub lights: Lights,
     /// Where most of their light comes from.
     pub beacons: Vec<Beacon>,
+    /// For each texture whose look-ups may be averaged.
+    pub(super) pyramids: Vec<Option<(ColorSpace, Pyramid)>>,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -98,6 +101,7 @@ impl Scene {
             lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
             default_material: MaterialDescription::default(),
             beacons: Vec::new(),
+            pyramids: Self::pyramids_of(&description),
             description: Arc::new(description),
             geometry,
             media,
@@ -151,7 +155,7 @@ impl Scene {
     pub fn emission(&self, surface: &Surface) -> Vec3 {
         let material = self.material(surface.material);
         match &material.emission_texture {
-            Some(t) => material.emission * surface.texture(self, t).truncate(),
+            Some(t) => material.emission * surface.color_texture(self, t, material.alpha_mode).truncate(),
             None => material.emission,
         }
     }

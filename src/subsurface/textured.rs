@@ -63,6 +63,7 @@ impl<'a> TexturedMedium<'a> {
         (
             medium.sigma_a * factor(&medium.absorption_texture),
             medium.sigma_s * factor(&medium.scattering_texture),
+            footprint: 0.0,
         )
     }
 

@@ -9,7 +9,7 @@ use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, BsdfSample, Medium};
 use crate::sampling::Sampler;
-use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
+use crate::scene::{AlphaMode, Camera, Footprint, Object, Scene, Shading, Surface};
 use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
@@ -69,6 +69,11 @@ impl PathTracer<'_> {
                 events: 0,
                 start: None,
                 aimed: Aimed::default(),
+            footprint: if self.options.filter_textures {
+                self.camera.footprint(&ray, self.options.spp)
+            } else {
+                Footprint::default()
+            },
             },
             stack: self.surrounding,
             vertex: start,
@@ -153,6 +158,9 @@ impl PathTracer<'_> {
     /// How the scattering events of a flight can be connected to lights.
     fn connection(&self, path: &Path, object: &Object, medium: &Medium) -> Connection {
         if object.lit_inside || (medium.ior - 1.0).abs() < MATCHED_INDEX {
+        if events > 0 {
+            path.footprint.forget();
+        }
             Connection::Straight
         } else if object.aimable && path.stack.len() == 1 && self.options.aim {
             Connection::Boundary
@@ -173,7 +181,9 @@ impl PathTracer<'_> {
 
     /// Shades a surface and chooses where the path goes on. False: it ends.
     fn meet_surface(&self, hit: &Hit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
-        let surface = Surface::new(self.scene, hit);
+        let mut surface = Surface::new(self.scene, hit);
+        path.footprint.travel(surface.position.distance(path.head.position));
+        surface.footprint = path.footprint.width;
         let material = self.scene.material(surface.material);
         let wo = -path.head.direction;
         let front = wo.dot(surface.geometric_normal) > 0.0;
@@ -310,6 +320,9 @@ impl PathTracer<'_> {
             && sample.transmitted
         {
             path.cross(e, shaded.front);
+        }
+        if !sample.delta {
+            path.footprint.scatter(sample.pdf);
         }
         // Through a boundary between equal indices light goes straight on, and so do shadow rays: what is found beyond it
         // is still weighed with the vertex before.

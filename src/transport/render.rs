@@ -46,6 +46,13 @@ pub struct RenderOptions {
     /// Whether paths below a surface are also aimed at lights beyond it; off, the same picture is noisier.
     pub aim: bool,
 }
+    /// Whether colour textures are averaged over what a sample sees of them ([`crate::scene::Footprint`]); off, they are
+    /// looked up at points.
+    pub filter_textures: bool,
+    /// Height (y, metres) of a horizontal plane that is seen only by the shadow that falls on it.
+    pub ground: Option<f32>,
+    /// Whether the background is left out, and the film has alpha.
+    pub transparent: bool,
 
 impl RenderOptions {
     /// 640 × 480 pixels of 64 samples with the random walk, all threads and nothing cut off.
@@ -62,6 +69,9 @@ impl RenderOptions {
             microfacet: Microfacet::Multiple,
             aim: true,
         }
+            filter_textures: true,
+            ground: None,
+            transparent: false,
     }
 
     /// The threads that will render: as many as asked for, else as the machine has.

@@ -3,7 +3,7 @@
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::offset_origin;
 use crate::light::Anchor;
-use crate::scene::Surface;
+use crate::scene::{Footprint, Surface};
 use crate::subsurface::{Aimed, PathHead, Start};
 use glam::Vec3;
 
@@ -48,6 +48,8 @@ impl Path {
         self.leave_surface(surface);
     }
 
+    /// How far its neighbours are apart.
+    pub footprint: Footprint,
     pub fn leave_surface(&mut self, surface: &Surface) {
         self.head.position =
             offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
