@@ -14,5 +14,6 @@ pub mod searchlight;
 mod state;
 mod weight;
 
+mod surroundings;
 pub use media::{Crossing, Enclosure, MediumStack};
 pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};

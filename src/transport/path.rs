@@ -6,6 +6,7 @@ use super::media::{Crossing, MediumStack};
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
 use crate::geometry::{Hit, Ray};
+use super::surroundings::Surroundings;
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, BsdfSample, Medium};
 use crate::sampling::Sampler;
@@ -26,7 +27,7 @@ pub(super) struct PathTracer<'a> {
     pub model: &'a dyn Propagator,
     pub camera: &'a Camera,
     /// The media around the camera.
-    pub surrounding: MediumStack,
+    pub surroundings: &'a Surroundings,
     pub counters: Cell<Counters>,
 }
 
@@ -62,6 +63,12 @@ impl PathTracer<'_> {
             aimed: Aimed::default(),
         };
         let mut path = Path {
+            },
+            stack: self.surroundings.at(self.scene, ray.origin),
+            vertex: Vertex::unconnected(ray.origin),
+            events: 0,
+            bounces: 0,
+            direct_view: true,
             head: PathHead {
                 position: ray.origin,
                 direction: ray.direction,
@@ -74,12 +81,6 @@ impl PathTracer<'_> {
             } else {
                 Footprint::default()
             },
-            },
-            stack: self.surrounding,
-            vertex: start,
-            events: 0,
-            bounces: 0,
-            direct_view: true,
         };
         let mut radiance = Vec3::ZERO;
         self.follow(&mut path, &mut radiance, sampler);

@@ -7,6 +7,7 @@
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::state::Counters;
+use super::surroundings::Surroundings;
 use crate::film::Film;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;
@@ -217,8 +218,9 @@ impl Job<'_> {
     fn run(&self) -> Rendered {
         let &RenderOptions { width, height, spp, .. } = self.options;
         let camera = Camera::new(&self.options.camera, width, height);
-        let surrounding = surrounding(self.scene, camera.origin());
-        let mut tiles = tiles(width, height);
+        let size = Vec2::new(width as f32, height as f32);
+        let surroundings = Surroundings::new(self.scene, &camera, size);
+        let mut tiles = tiles(width, height, self.has_coverage());
         let total = u64::from(width) * u64::from(height) * u64::from(spp);
         let done = AtomicU64::new(0);
         let mut first = 0;
@@ -228,7 +230,7 @@ impl Job<'_> {
                 if self.control.cancelled() {
                     return;
                 }
-                self.render_tile(tile, first..last, &camera, surrounding);
+                self.render_tile(tile, first..last, &camera, &surroundings);
                 let samples = tile.sums.len() as u64 * u64::from(last - first);
                 let so_far = done.fetch_add(samples, Ordering::Relaxed) + samples;
                 self.control.advance(so_far, total);
@@ -243,14 +245,14 @@ impl Job<'_> {
         tile: &mut Tile,
         samples: std::ops::Range<u32>,
         camera: &Camera,
-        surrounding: MediumStack,
+        surroundings: &Surroundings,
     ) {
         let tracer = PathTracer {
             scene: self.scene,
             options: self.options,
             model: self.model,
             camera,
-            surrounding,
+            surroundings,
             counters: Cell::new(tile.counters),
         };
         let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
@@ -295,23 +297,4 @@ fn tiles(width: u32, height: u32) -> Vec<Tile> {
         }
     }
     tiles
-}
-
-/// The closed media around a point.
-fn surrounding(scene: &Scene, point: Vec3) -> MediumStack {
-    let mut stack = MediumStack::default();
-    for (i, object) in scene.objects.iter().enumerate() {
-        let instance = i as u32;
-        if !(object.has_medium && object.closed) {
-            continue;
-        }
-        let local = scene.geometry.transform(instance).inverse_point(point);
-        if scene.geometry.mesh_of(instance).contains(local) {
-            let materials = &scene.mesh(instance).triangle_materials;
-            if let Some(&material) = materials.iter().find(|&&m| scene.medium(m).is_some()) {
-                stack.enter(Enclosure { instance, material, rank: object.rank });
-            }
-        }
-    }
-    stack
 }
