@@ -7,13 +7,15 @@
 mod chance;
 mod direct;
 mod emerge;
+mod ground;
 mod media;
 mod path;
+mod pixel;
 mod render;
 pub mod searchlight;
 mod state;
+mod surroundings;
 mod weight;
 
-mod surroundings;
 pub use media::{Crossing, Enclosure, MediumStack};
 pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};

@@ -4,8 +4,8 @@
 //! double precision, so that the result does not depend on who rendered which tile when. A cancelled render keeps
 //! every tile it finished.
 
-use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::pixel::{Composite, Coverage, into_film};
 use super::state::Counters;
 use super::surroundings::Surroundings;
 use crate::film::Film;
@@ -13,7 +13,7 @@ use crate::optics::Microfacet;
 use crate::sampling::Sampler;
 use crate::scene::{Camera, CameraDescription, Scene};
 use crate::subsurface::{Propagator, Registry};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -46,7 +46,6 @@ pub struct RenderOptions {
     pub microfacet: Microfacet,
     /// Whether paths below a surface are also aimed at lights beyond it; off, the same picture is noisier.
     pub aim: bool,
-}
     /// Whether colour textures are averaged over what a sample sees of them ([`crate::scene::Footprint`]); off, they are
     /// looked up at points.
     pub filter_textures: bool,
@@ -54,6 +53,7 @@ pub struct RenderOptions {
     pub ground: Option<f32>,
     /// Whether the background is left out, and the film has alpha.
     pub transparent: bool,
+}
 
 impl RenderOptions {
     /// 640 × 480 pixels of 64 samples with the random walk, all threads and nothing cut off.
@@ -69,10 +69,10 @@ impl RenderOptions {
             max_depth: 100_000,
             microfacet: Microfacet::Multiple,
             aim: true,
-        }
             filter_textures: true,
             ground: None,
             transparent: false,
+        }
     }
 
     /// The threads that will render: as many as asked for, else as the machine has.
@@ -163,6 +163,8 @@ struct Tile {
     width: u32,
     height: u32,
     sums: Vec<DVec3>,
+    /// As long as `sums` where there may be something behind objects, else empty.
+    coverage: Vec<Coverage>,
     samples: u32,
     counters: Counters,
 }
@@ -256,25 +258,43 @@ impl Job<'_> {
             counters: Cell::new(tile.counters),
         };
         let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
-        for ((x, y), sum) in positions.zip(&mut tile.sums) {
+        for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {
                 let mut sampler = Sampler::new(y * self.options.width + x, sample, self.options.seed);
-                *sum += tracer.sample_pixel(x, y, &mut sampler).as_dvec3();
+                let found = tracer.sample_pixel(x, y, &mut sampler);
+                *sum += found.radiance.as_dvec3();
+                if let Some(coverage) = tile.coverage.get_mut(i) {
+                    coverage.add(&found);
+                }
             }
         }
         tile.samples = samples.end;
         tile.counters = tracer.counters.get();
     }
 
+    fn has_coverage(&self) -> bool {
+        self.options.transparent || self.options.ground.is_some()
+    }
+
     fn assemble(&self, tiles: &[Tile]) -> Rendered {
         let mut film = Film::new(self.options.width, self.options.height);
         let mut stats = RenderStats::default();
+        let mut composites = Vec::new();
+        if self.has_coverage() {
+            composites.resize(film.pixels.len(), Composite::default());
+        }
         for tile in tiles {
             for (i, sum) in tile.sums.iter().enumerate() {
                 let (x, y) = (tile.x + i as u32 % tile.width, tile.y + i as u32 / tile.width);
                 let mean = *sum / f64::from(tile.samples.max(1));
-                film.pixels[(y * self.options.width + x) as usize] = mean.as_vec3();
+                let at = (y * self.options.width + x) as usize;
+                match (tile.coverage.get(i), composites.get_mut(at)) {
+                    (Some(coverage), Some(composite)) => {
+                        *composite = coverage.finish(mean, tile.samples, self.options.transparent);
+                    }
+                    _ => film.pixels[at] = mean.as_vec3(),
+                }
             }
             stats.rays += tile.counters.rays;
             stats.scattering_events += tile.counters.events;
@@ -282,18 +302,23 @@ impl Job<'_> {
             stats.leaked_paths += tile.counters.leaks;
             stats.invalid_samples += tile.counters.invalid;
         }
+        if self.has_coverage() {
+            let &RenderOptions { transparent, ground, .. } = self.options;
+            into_film(&mut film, &composites, transparent, ground.is_some());
+        }
         Rendered { film, spp: tiles.iter().map(|t| t.samples).min().unwrap_or(0), stats }
     }
 }
 
-fn tiles(width: u32, height: u32) -> Vec<Tile> {
+fn tiles(width: u32, height: u32, has_coverage: bool) -> Vec<Tile> {
     let mut tiles = Vec::new();
     for y in (0..height).step_by(TILE as usize) {
         for x in (0..width).step_by(TILE as usize) {
             let (w, h) = (TILE.min(width - x), TILE.min(height - y));
             let sums = vec![DVec3::ZERO; (w * h) as usize];
+            let coverage = if has_coverage { vec![Coverage::default(); sums.len()] } else { Vec::new() };
             let counters = Counters::default();
-            tiles.push(Tile { x, y, width: w, height: h, sums, samples: 0, counters });
+            tiles.push(Tile { x, y, width: w, height: h, sums, coverage, samples: 0, counters });
         }
     }
     tiles

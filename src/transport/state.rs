@@ -1,5 +1,6 @@
 //! What a path remembers between events.
 
+use super::direct::Shaded;
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::offset_origin;
 use crate::light::Anchor;
@@ -21,6 +22,13 @@ pub(super) struct Vertex {
     pub aimed: Aimed,
 }
 
+impl Vertex {
+    /// A point from which no lights were sampled.
+    pub fn unconnected(point: Vec3) -> Self {
+        Self { point, anchor: Shaded::NOWHERE, pdf: 1.0, connected: false, aimed: Aimed::default() }
+    }
+}
+
 /// Events that tell of trouble, and work done; sums over all threads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counters {
@@ -40,6 +48,8 @@ pub(super) struct Path {
     pub bounces: u32,
     /// The camera still sees straight through what was met.
     pub direct_view: bool,
+    /// How far its neighbours are apart.
+    pub footprint: Footprint,
 }
 
 impl Path {
@@ -48,8 +58,6 @@ impl Path {
         self.leave_surface(surface);
     }
 
-    /// How far its neighbours are apart.
-    pub footprint: Footprint,
     pub fn leave_surface(&mut self, surface: &Surface) {
         self.head.position =
             offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
