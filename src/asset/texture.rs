@@ -10,7 +10,7 @@ use super::error::AssetError;
 use super::image;
 use super::json::Json;
 use super::loader::Loader;
-use crate::scene::{ColorSpace, ImageData, ImagePixels, TextureDescription, TextureRef, Wrap};
+use crate::scene::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
 /// Texture coordinate sets beyond this many are refused.
 pub(crate) const MOST_UV_SETS: usize = 16;
@@ -93,8 +93,13 @@ impl Loader<'_> {
     }
 
     fn sampler(&mut self, texture: &Json<'_>) -> Result<TextureDescription, AssetError> {
-        let mut out =
-            TextureDescription { image: 0, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, linear_filter: true };
+        let mut out = TextureDescription {
+            image: 0,
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            linear_filter: true,
+            minify: Minify::Footprint,
+        };
         let Some(index) = texture.usize("sampler")? else { return Ok(out) };
         let json = self.entry("samplers", index, &texture.pointer_to("sampler"))?;
         out.wrap_u = self.wrap(&json, "wrapS")?;
@@ -107,8 +112,13 @@ impl Loader<'_> {
                 true
             }
         };
-        if let Some(other) = json.usize("minFilter")?.filter(|f| !matches!(f, 9728 | 9729 | 9984..=9987)) {
-            self.invalid(&json.pointer_to("minFilter"), format!("{other} is no filter of glTF"))?;
+        match json.usize("minFilter")? {
+            // NEAREST and LINEAR ask for no mipmaps.
+            Some(9728 | 9729) => out.minify = Minify::Point,
+            Some(9984..=9987) | None => {}
+            Some(other) => {
+                self.invalid(&json.pointer_to("minFilter"), format!("{other} is no filter of glTF"))?
+            }
         }
         Ok(out)
     }

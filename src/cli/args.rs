@@ -62,6 +62,11 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive)]
     pub env_intensity: f32,
 
+    /// A ground below the scene: one that is seen only by its shadow, a matte one (color is grey; or give its linear
+    /// reflectance), or none
+    #[arg(long, value_name = "none|shadow|color|R,G,B", default_value = "none", value_parser = ground)]
+    pub ground: GroundArg,
+
     /// Most events of a path, scatterings included; paths cut off here lose light
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: u32,
@@ -78,6 +83,11 @@ pub(super) struct SceneArgs {
     /// Do not aim paths below a surface at lights (the same picture, noisier; for comparisons)
     #[arg(long, hide_short_help = true)]
     pub no_aim: bool,
+
+    /// Look up colour textures at points instead of averaging them over what a sample sees (noisier where textures are small
+    /// in the picture)
+    #[arg(long, hide_short_help = true)]
+    pub no_texture_filter: bool,
 
     /// Tone map of .png and .jpg: pbr-neutral, aces, agx or linear
     #[arg(long, value_name = "NAME", default_value = "pbr-neutral", value_parser = tone_map)]
@@ -119,6 +129,10 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     pub scene: SceneArgs,
+
+    /// Leave the background out: .exr and .png get alpha, and the shadow of --ground shadow goes into it
+    #[arg(long)]
+    pub transparent_background: bool,
 
     /// Write .exr with 32 bit floats instead of 16 bit ones
     #[arg(long)]

@@ -26,7 +26,9 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let progress = Progress::new(args.quiet);
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
     let prepared = Prepared::new(args, size, &reporter, &progress)?;
-    let options = prepared.options(args, job.args.spp, &job.args.subsurface);
+    let mut options = prepared.options(args, job.args.spp, &job.args.subsurface);
+    options.transparent = job.args.transparent_background;
+    say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
     let models = pipeline::models(args.brdf_cosines);
 
     progress.rendering();
@@ -67,6 +69,27 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Shadows on a black background, and alpha in formats without.
+fn say_what_cannot_be_seen(
+    job: &RenderJob,
+    prepared: &Prepared,
+    options: &RenderOptions,
+    reporter: &Reporter,
+) {
+    if options.ground.is_some() && !options.transparent && prepared.scene.lights.environment().is_none() {
+        reporter.note(
+            "the shadow of --ground shadow cannot be seen: there is no environment behind it \
+             (choose one with --env, or --transparent-background)",
+        );
+    }
+    let without_alpha = job.outputs.iter().find(|(_, f)| !matches!(f, Format::Exr | Format::Png));
+    if options.transparent
+        && let Some((path, _)) = without_alpha
+    {
+        reporter.note(format!("{}: the format has no alpha; the background is black", path.display()));
+    }
+}
+
 fn write_pictures(
     job: &RenderJob,
     rendered: &Rendered,
@@ -105,6 +128,9 @@ fn attributes(
     let args = &job.args.scene;
     let mut recorded = prepared.record(args);
     recorded["subsurface"] = json!(options.subsurface);
+    if options.transparent {
+        recorded["transparent_background"] = json!(true);
+    }
     if !format.is_linear() {
         recorded["tonemap"] = json!(args.tonemap.name());
         recorded["exposure"] = json!(args.exposure);

@@ -9,7 +9,7 @@ use super::names;
 use super::pipeline::{self, Cosines, Microfacet, RenderOptions, RenderStats, Scene};
 use super::progress::Progress;
 use super::stats::Stopwatch;
-use super::values::EnvArg;
+use super::values::{EnvArg, GroundArg};
 use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
 use serde_json::{Value, json};
 
@@ -33,6 +33,8 @@ pub(super) struct Prepared {
     pub camera: CameraDescription,
     pub width: u32,
     pub height: u32,
+    /// Height of a ground that catches shadows.
+    pub ground: Option<f32>,
     /// What the environment is called in the files written.
     pub environment: String,
     pub load_seconds: f64,
@@ -60,6 +62,7 @@ impl Prepared {
         say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
+        let ground = set_ground(args.ground, &mut description, reporter);
         let load_seconds = watch.lap();
         interrupt::check()?;
 
@@ -71,7 +74,7 @@ impl Prepared {
         warn_of_open_media(&scene, reporter);
         interrupt::check()?;
         let environment = environment_name(args.env.as_ref(), is_studio);
-        Ok(Self { scene, camera, width, height, environment, load_seconds, build_seconds })
+        Ok(Self { scene, camera, width, height, ground, environment, load_seconds, build_seconds })
     }
 
     /// What to render with one model.
@@ -87,6 +90,9 @@ impl Prepared {
             max_depth: args.max_depth,
             microfacet: args.microfacet,
             aim: !args.no_aim,
+            filter_textures: !args.no_texture_filter,
+            ground: self.ground,
+            transparent: false,
         }
     }
 
@@ -98,6 +104,7 @@ impl Prepared {
             "env": self.environment,
             "env_rotation": args.env_rotation,
             "env_intensity": args.env_intensity,
+            "texture_filter": !args.no_texture_filter,
             "max_depth": args.max_depth,
             "microfacet": match args.microfacet {
                 Microfacet::Multiple => "multiple",
@@ -108,11 +115,32 @@ impl Prepared {
                 Cosines::Unrefracted => "unrefracted",
             },
         });
+        match args.ground {
+            GroundArg::None => {}
+            GroundArg::Shadow => recorded["ground"] = json!("shadow"),
+            GroundArg::Color(c) => recorded["ground"] = json!(c.to_array()),
+        }
         if let Some(scene) = args.scene {
             recorded["scene"] = json!(scene);
         }
         recorded
     }
+}
+
+/// Puts the ground into the scene, or tells how high it is where it only catches shadows.
+fn set_ground(wanted: GroundArg, scene: &mut SceneDescription, reporter: &Reporter) -> Option<f32> {
+    let (found, height) = match wanted {
+        GroundArg::None => return None,
+        GroundArg::Shadow => {
+            let height = scene.ground_height();
+            (height.is_some(), height)
+        }
+        GroundArg::Color(reflectance) => (scene.add_ground(reflectance), None),
+    };
+    if !found {
+        reporter.note("--ground does nothing: there is nothing to stand on it");
+    }
+    height
 }
 
 /// Says what went wrong in a render of so many samples; `of` begins the sentences.

@@ -17,6 +17,16 @@ pub(super) enum EnvArg {
     File(PathBuf),
 }
 
+/// The ground that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum GroundArg {
+    None,
+    /// Only its shadow is seen.
+    Shadow,
+    /// Matte, of that linear reflectance.
+    Color(Vec3),
+}
+
 /// The medium that was asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum MediumArg {
@@ -87,6 +97,29 @@ pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
         None => Err(format!(
             "{}; besides those, a .hdr or .exr file or a radiance R,G,B of at least 0",
             names::unknown("environment", text, ["studio", "none"])
+        )),
+    }
+}
+
+/// Reflectance of a ground whose colour was not chosen.
+const GREY: f32 = 0.5;
+
+pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
+    match text {
+        "none" => return Ok(GroundArg::None),
+        "shadow" => return Ok(GroundArg::Shadow),
+        "color" => return Ok(GroundArg::Color(Vec3::splat(GREY))),
+        _ => {}
+    }
+    let parts: Result<Vec<f32>, _> = text.split(',').map(|part| number(part.trim())).collect();
+    match parts.as_deref() {
+        Ok(&[r, g, b]) if [r, g, b].iter().all(|c| (0.0..=1.0).contains(c)) => {
+            Ok(GroundArg::Color(Vec3::new(r, g, b)))
+        }
+        Ok(_) => Err("a colour has three parts from 0 to 1: red,green,blue".to_owned()),
+        Err(_) => Err(format!(
+            "{}; besides those, a linear reflectance R,G,B from 0 to 1",
+            names::unknown("ground", text, ["none", "shadow", "color"])
         )),
     }
 }

@@ -149,7 +149,7 @@ impl Similarity {
     }
 
     /// World box of a local one, with room for rounding.
-    pub(super) fn bounds(&self, local: &Aabb) -> Aabb {
+    pub fn bounds(&self, local: &Aabb) -> Aabb {
         if local.is_empty() {
             return Aabb::EMPTY;
         }

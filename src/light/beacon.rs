@@ -161,7 +161,7 @@ mod tests {
             .collect();
         let environment =
             EnvironmentDescription::Map { width, height, pixels, scale: Vec3::ONE, rotation: 0.0 };
-        let lights = Lights::build(Vec::new(), &[], &environment, (Vec3::NEG_ONE, Vec3::ONE));
+        let lights = Lights::build(Vec::new(), &[], &environment);
         let (u, v) = (42.0 / width as f32, 1.0 - 8.5 / height as f32);
         let (azimuth, elevation) = ((u - 0.5) * 2.0 * PI, (v - 0.5) * PI);
         let centre =

@@ -9,6 +9,8 @@ use std::{fmt, sync::Arc};
 
 use glam::{Vec2, Vec3};
 
+use super::cone::Cone;
+use super::tree::LightBounds;
 use crate::sampling::{Frame, SphericalTriangle, spherical_triangle::solid_angle, warp};
 
 /// Solid angle below which points on the area are sampled, steradians.
@@ -103,6 +105,23 @@ impl Emitter {
         }
         let normal = if normal.dot(source.geometric_normal) < 0.0 { -normal } else { normal };
         Some(Self { normal, area, radiance, source })
+    }
+
+    /// For a light tree.
+    pub(super) fn bounds(&self) -> LightBounds {
+        let [a, b, c] = self.source.vertices;
+        LightBounds {
+            low: a.min(b).min(c),
+            high: a.max(b).max(c),
+            cone: Cone {
+                axis: self.normal,
+                axes: 0.0,
+                spread: std::f32::consts::FRAC_PI_2,
+                two_sided: self.source.double_sided,
+            },
+            flux: self.radiance * self.area,
+            reach: f32::INFINITY,
+        }
     }
 
     /// Height of the point above the emitting side(s), ≤ 0 where nothing is emitted to.

@@ -2,7 +2,7 @@
 //!
 //! Three groups (environment, punctual lights, emissive triangles) are weighed by the light they would send to the
 //! point if nothing were in between; the group is chosen by a defensive mixture of the weights. Within a group up to
-//! `FEW` lights are weighed in the same way one by one, and more of them are chosen by power.
+//! `FEW` lights are weighed in the same way one by one; more of them are leaves of a [light tree](super::tree).
 //!
 //! Everything is a function of the point and the normal, so the density of a direction that was found in another way
 //! (a scattered ray that reached a light) is the same that [`Lights::sample`] would have had, *if the caller passes the
@@ -14,12 +14,13 @@ use glam::{Vec2, Vec3};
 use super::{
     emitter::{EmissiveTriangle, Emitter, EmitterId},
     environment::Environment,
+    many::{ManyPunctual, facing_irradiance},
     mixture::{FEW, Mixture},
     nearest::Lamps,
     punctual,
+    tree::{LightTree, finer},
 };
-use crate::sampling::Distribution1D;
-use crate::scene::{EnvironmentDescription, PunctualKind, PunctualLight};
+use crate::scene::{EnvironmentDescription, PunctualLight};
 
 /// δ of the choice among groups: with all three present each gets at least a tenth.
 const GROUP_DEFENSIVE: f32 = 0.3;
@@ -67,52 +68,13 @@ pub struct Lights {
     emitters: Vec<Emitter>,
     /// First emitter of each instance, with the number of emitters at the end; empty without emitters.
     first_of_instance: Vec<u32>,
-    /// By power, where there are more than [`FEW`].
-    punctual_table: Option<Distribution1D>,
-    emitter_table: Option<Distribution1D>,
-    punctual_cluster: Cluster,
-    emitter_cluster: Cluster,
+    /// Where there are more than [`FEW`].
+    many_punctual: Option<ManyPunctual>,
+    emitter_tree: Option<LightTree>,
     lamps: Lamps,
 }
 
-/// Many lights seen as one.
-#[derive(Clone, Copy, Debug, Default)]
-struct Cluster {
-    center: Vec3,
-    radius_squared: f32,
-    /// Watts, channel mean.
-    power: f32,
-    /// Irradiance that does not depend on distance (directional lights).
-    irradiance: f32,
-}
-
-impl Cluster {
-    fn new(points: impl Iterator<Item = Vec3> + Clone, power: f32, irradiance: f32) -> Self {
-        let low = points.clone().fold(Vec3::INFINITY, Vec3::min);
-        let high = points.fold(Vec3::NEG_INFINITY, Vec3::max);
-        if low.cmpgt(high).any() {
-            return Self { power, irradiance, ..Self::default() };
-        }
-        Self {
-            center: 0.5 * (low + high),
-            radius_squared: 0.25 * (high - low).length_squared(),
-            power,
-            irradiance,
-        }
-    }
-
-    /// Estimated irradiance at a point: the power spread over a sphere through it that is not smaller than the lights.
-    fn importance(&self, point: Vec3) -> f32 {
-        let distance_squared = (point - self.center).length_squared().max(self.radius_squared);
-        if self.power > 0.0 && distance_squared > 0.0 {
-            self.irradiance + self.power / (4.0 * std::f32::consts::PI * distance_squared)
-        } else {
-            self.irradiance + self.power
-        }
-    }
-}
-
-/// The probabilities of everything that can be chosen for a point; `None` where a table is used instead.
+/// The probabilities of everything that can be chosen for a point; `None` where a tree is used instead.
 struct Choice {
     groups: Mixture,
     punctual: Option<Mixture>,
@@ -121,12 +83,10 @@ struct Choice {
 
 impl Lights {
     /// Prepares the lights. Emitters without area or power, and punctual lights without intensity, are left out.
-    /// `scene_bounds` (low and high corner) weighs directional against other lights where there are many.
     pub fn build(
         emitters: Vec<EmissiveTriangle>,
         punctual: &[PunctualLight],
         environment: &EnvironmentDescription,
-        scene_bounds: (Vec3, Vec3),
     ) -> Self {
         let mut emitters: Vec<Emitter> = emitters.into_iter().filter_map(Emitter::new).collect();
         emitters.sort_by_key(|e| (e.source.instance, e.source.triangle));
@@ -142,27 +102,19 @@ impl Lights {
             }
         }
 
-        let scene_radius = 0.5 * (scene_bounds.1 - scene_bounds.0).length();
-        let scene_radius = if scene_radius.is_finite() && scene_radius > 0.0 { scene_radius } else { 1.0 };
         let punctual: Vec<PunctualLight> = punctual
             .iter()
             .filter(|light| light.intensity.is_finite() && light.intensity.max_element() > 0.0)
             .cloned()
             .collect();
 
-        let powers: Vec<f32> = emitters.iter().map(|e| e.source.power.element_sum() / 3.0).collect();
-        let emitter_table = if emitters.len() > FEW { Distribution1D::new(&powers) } else { None };
-        let emitter_cluster =
-            Cluster::new(emitters.iter().flat_map(|e| e.source.vertices), powers.iter().sum(), 0.0);
-        let is_directional = |l: &&PunctualLight| l.kind == PunctualKind::Directional;
-        let powers: Vec<f32> = punctual.iter().map(|l| punctual::power(l, scene_radius)).collect();
-        let punctual_table = if punctual.len() > FEW { Distribution1D::new(&powers) } else { None };
-        let placed = punctual.iter().filter(|l| !is_directional(l));
-        let punctual_cluster = Cluster::new(
-            placed.clone().map(|l| l.position),
-            placed.map(|l| punctual::power(l, scene_radius)).sum(),
-            punctual.iter().filter(is_directional).map(|l| l.intensity.element_sum() / 3.0).sum(),
-        );
+        let many_punctual = (punctual.len() > FEW).then(|| ManyPunctual::new(&punctual, LIGHT_DEFENSIVE));
+        let emitter_tree = if emitters.len() > FEW {
+            let bounds: Vec<_> = emitters.iter().map(Emitter::bounds).collect();
+            LightTree::new(&bounds, LIGHT_DEFENSIVE)
+        } else {
+            None
+        };
         let environment = Environment::new(environment);
         Self {
             lamps: Lamps::new(&emitters, &punctual, &environment),
@@ -170,10 +122,8 @@ impl Lights {
             punctual,
             emitters,
             first_of_instance,
-            punctual_table,
-            emitter_table,
-            punctual_cluster,
-            emitter_cluster,
+            many_punctual,
+            emitter_tree,
         }
     }
 
@@ -250,9 +200,9 @@ impl Lights {
                 })
             }
             PUNCTUAL => {
-                let (i, probability, _) = match (&choice.punctual, &self.punctual_table) {
-                    (Some(mixture), _) => mixture.sample(rest)?,
-                    (None, table) => table.as_ref()?.sample(rest),
+                let (i, probability) = match (&choice.punctual, &self.many_punctual) {
+                    (_, Some(many)) => many.sample(&self.punctual, (anchor.point, normal), finer(rest, u))?,
+                    (mixture, None) => mixture.as_ref()?.sample(rest).map(|(i, p, _)| (i, p))?,
                 };
                 let p = punctual::irradiance(&self.punctual[i], point)?;
                 Some(LightSample {
@@ -265,9 +215,12 @@ impl Lights {
                 })
             }
             _ => {
-                let (i, probability, _) = match (&choice.emitters, &self.emitter_table) {
-                    (Some(mixture), _) => mixture.sample(rest)?,
-                    (None, table) => table.as_ref()?.sample(rest),
+                let (i, probability) = match (&choice.emitters, &self.emitter_tree) {
+                    (_, Some(tree)) => {
+                        let exact = |i: usize| self.emitters[i].importance(anchor.point, normal);
+                        tree.sample((anchor.point, normal), finer(rest, u), exact)?
+                    }
+                    (mixture, None) => mixture.as_ref()?.sample(rest).map(|(i, p, _)| (i, p))?,
                 };
                 let s = self.emitters[i].sample(point, u)?;
                 Some(LightSample {
@@ -324,9 +277,12 @@ impl Lights {
             return 0.0;
         }
         let choice = self.choice(anchor);
-        let probability = match (&choice.emitters, &self.emitter_table) {
-            (Some(mixture), _) => mixture.probability(i),
-            (None, table) => table.as_ref().map_or(0.0, |t| t.pdf(i)),
+        let probability = match (&choice.emitters, &self.emitter_tree) {
+            (_, Some(tree)) => {
+                let exact = |i: usize| self.emitters[i].importance(anchor.point, anchor.normal);
+                tree.probability(i, (anchor.point, anchor.normal), exact)
+            }
+            (mixture, None) => mixture.as_ref().map_or(0.0, |m| m.probability(i)),
         };
         pdf * probability * choice.groups.probability(EMITTERS)
     }
@@ -334,15 +290,13 @@ impl Lights {
     /// About the irradiance of a surface there if nothing is in the way, channel mean. Zero only where no light reaches
     /// that side.
     pub fn irradiance_estimate(&self, point: Vec3, normal: Vec3) -> f32 {
-        let punctual = if self.punctual_table.is_some() {
-            self.punctual_cluster.importance(point)
-        } else {
-            self.punctual.iter().map(|light| facing_irradiance(light, point, Some(normal))).sum()
+        let punctual = match &self.many_punctual {
+            Some(many) => many.importance(&self.punctual, point, Some(normal)),
+            None => self.punctual.iter().map(|light| facing_irradiance(light, point, Some(normal))).sum(),
         };
-        let emitters = if self.emitter_table.is_some() {
-            self.emitter_cluster.importance(point)
-        } else {
-            self.emitters.iter().map(|e| e.importance(point, Some(normal))).sum()
+        let emitters = match &self.emitter_tree {
+            Some(tree) => tree.importance(point, Some(normal)),
+            None => self.emitters.iter().map(|e| e.importance(point, Some(normal))).sum(),
         };
         self.environment.irradiance(normal) + punctual + emitters
     }
@@ -350,33 +304,29 @@ impl Lights {
     #[inline]
     fn choice(&self, anchor: &Anchor) -> Choice {
         let Anchor { point, normal } = *anchor;
-        let punctual = self.punctual_table.is_none().then(|| {
+        let punctual = self.many_punctual.is_none().then(|| {
             Mixture::new(
                 LIGHT_DEFENSIVE,
                 self.punctual.iter().map(|light| facing_irradiance(light, point, normal)),
             )
         });
-        let emitters = self.emitter_table.is_none().then(|| {
+        let emitters = self.emitter_tree.is_none().then(|| {
             Mixture::new(LIGHT_DEFENSIVE, self.emitters.iter().map(|e| e.importance(point, normal)))
         });
         // Irradiance of a surface, fluence where there is none.
         let everywhere = || self.environment.mean_radiance() * 4.0 * std::f32::consts::PI;
         let environment = normal.map_or_else(everywhere, |n| self.environment.irradiance(n));
-        let of = |few: &Option<Mixture>, many: &Cluster| {
-            few.as_ref().map_or_else(|| many.importance(point), Mixture::sum)
+        let of_punctual = match &self.many_punctual {
+            Some(many) => many.importance(&self.punctual, point, normal),
+            None => punctual.as_ref().map_or(0.0, Mixture::sum),
         };
-        let groups = Mixture::new(
-            GROUP_DEFENSIVE,
-            [environment, of(&punctual, &self.punctual_cluster), of(&emitters, &self.emitter_cluster)],
-        );
+        let of_emitters = match &self.emitter_tree {
+            Some(tree) => tree.importance(point, normal),
+            None => emitters.as_ref().map_or(0.0, Mixture::sum),
+        };
+        let groups = Mixture::new(GROUP_DEFENSIVE, [environment, of_punctual, of_emitters]);
         Choice { groups, punctual, emitters }
     }
-}
-
-/// Irradiance (fluence without a normal) that a punctual light makes where nothing is in the way, channel mean.
-fn facing_irradiance(light: &PunctualLight, point: Vec3, normal: Option<Vec3>) -> f32 {
-    let facing = |direction: Vec3| normal.map_or(1.0, |n| n.dot(direction).max(0.0));
-    punctual::irradiance(light, point).map_or(0.0, |p| p.irradiance.element_sum() / 3.0 * facing(p.direction))
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::*;
 use crate::light::emitter::{EmissionField, EmissiveRadiance};
 use crate::sampling::{SmallRng, SphericalTriangle, statistics::Estimate, warp};
+use crate::scene::PunctualKind;
 
 const DARK: EnvironmentDescription = EnvironmentDescription::Constant(Vec3::ZERO);
-const BOUNDS: (Vec3, Vec3) = (Vec3::splat(-3.0), Vec3::splat(3.0));
 
 fn triangle(
     instance: u32,
@@ -123,7 +123,7 @@ fn quads_far_and_near_give_their_irradiance() {
                 continue;
             }
             let truth: f64 = emitters.iter().map(|t| irradiance_of(t, point, normal)).sum();
-            let lights = Lights::build(emitters.clone(), &[], &DARK, BOUNDS);
+            let lights = Lights::build(emitters.clone(), &[], &DARK);
             for given in [Some(normal), None] {
                 let z = irradiance_z(&lights, point, normal, given, truth, 60_000);
                 assert!(z.abs() < 4.0, "half size {s}, height {h}, {given:?}: z = {z}");
@@ -137,18 +137,18 @@ fn emission_is_from_the_front_or_from_both_sides() {
     let below = Vec3::new(0.0, -1.0, 0.0);
     let mut up = triangle(0, 0, [Vec3::ZERO, Vec3::Z, Vec3::X], 1.0, false);
     assert!(up.geometric_normal.y > 0.0);
-    let one = Lights::build(vec![up.clone()], &[], &DARK, BOUNDS);
+    let one = Lights::build(vec![up.clone()], &[], &DARK);
     assert!(one.sample(below, None, 0.3, Vec2::splat(0.4)).is_none());
     assert_eq!(one.emitter_pdf(EmitterId(0), below, None, Vec3::new(0.2, 0.0, 0.2)), 0.0);
     up.double_sided = true;
     let truth = irradiance_of(&up, below, Vec3::Y);
-    let both = Lights::build(vec![up.clone()], &[], &DARK, BOUNDS);
+    let both = Lights::build(vec![up.clone()], &[], &DARK);
     let z = irradiance_z(&both, below, Vec3::Y, Some(Vec3::Y), truth, 40_000);
     assert!(z.abs() < 4.0, "z = {z}");
     // A mirrored instance: the winding says up, the normal says down.
     up.double_sided = false;
     up.geometric_normal = Vec3::NEG_Y;
-    let mirrored = Lights::build(vec![up], &[], &DARK, BOUNDS);
+    let mirrored = Lights::build(vec![up], &[], &DARK);
     assert!(mirrored.sample(below, None, 0.3, Vec2::splat(0.4)).is_some());
     assert!(mirrored.sample(-below, None, 0.3, Vec2::splat(0.4)).is_none());
     // Surfaces that look away from a light do not choose it.
@@ -162,7 +162,7 @@ fn many_emitters_give_the_sum_of_theirs() {
     for point in [Vec3::ZERO, Vec3::new(3.0, 0.5, 0.0), Vec3::new(0.0, 1.2, 0.0)] {
         let normal = (Vec3::new(0.0, 2.0, 0.0) - point).normalize();
         let truth: f64 = emitters.iter().map(|t| irradiance_of(t, point, normal)).sum();
-        let lights = Lights::build(emitters.clone(), &[], &DARK, BOUNDS);
+        let lights = Lights::build(emitters.clone(), &[], &DARK);
         for given in [Some(normal), None] {
             let z = irradiance_z(&lights, point, normal, given, truth, 300_000);
             assert!(z.abs() < 4.0, "{point}: z = {z}");
@@ -188,7 +188,7 @@ fn mixed_lights_add_up() {
                 truth += 4.0 / d2.powf(1.5);
             }
         }
-        let lights = Lights::build(emitters.clone(), &punctual, &environment, BOUNDS);
+        let lights = Lights::build(emitters.clone(), &punctual, &environment);
         assert!(lights.has_delta() && lights.has_emitters() && !lights.is_empty());
         for given in [Some(normal), None] {
             let z = irradiance_z(&lights, point, normal, given, truth, 400_000);
@@ -198,11 +198,46 @@ fn mixed_lights_add_up() {
 }
 
 #[test]
+fn hundreds_of_punctual_lights_give_the_sum_of_theirs() {
+    let mut rng = SmallRng::new(11);
+    let mut lights: Vec<PunctualLight> = (0..300)
+        .map(|i| {
+            let position = Vec3::new(rng.f32() - 0.5, 0.3 + rng.f32(), rng.f32() - 0.5) * 6.0;
+            let kind = match i % 3 {
+                0 => PunctualKind::Spot { inner: 0.2, outer: 0.3 + rng.f32() },
+                _ => PunctualKind::Point,
+            };
+            let range = (i % 5 == 0).then(|| 2.0 + 4.0 * rng.f32());
+            let direction = (warp::uniform_sphere(rng.vec2()) - Vec3::Y).normalize();
+            PunctualLight { kind, range, direction, ..point_light(position, 0.2 + rng.f32()) }
+        })
+        .collect();
+    for suns in [0, 2, 40] {
+        for i in 0..suns {
+            let direction = Vec3::new(0.6 * (i as f32).sin(), -0.8, 0.6 * (i as f32).cos());
+            lights.push(PunctualLight { direction, ..sun(0.01 + 0.02 * i as f32) });
+        }
+        let all = Lights::build(Vec::new(), &lights, &DARK);
+        for (point, normal) in [(Vec3::ZERO, Vec3::Y), (Vec3::new(2.0, 1.5, 0.5), Vec3::new(0.6, 0.0, 0.8))] {
+            let truth: f64 = lights
+                .iter()
+                .filter_map(|l| punctual::irradiance(l, point))
+                .map(|p| f64::from(p.irradiance.x * normal.dot(p.direction).max(0.0)))
+                .sum();
+            for given in [Some(normal), None] {
+                let z = irradiance_z(&all, point, normal, given, truth, 150_000);
+                assert!(z.abs() < 4.0, "{suns} suns, {point}, {given:?}: z = {z}");
+            }
+        }
+    }
+}
+
+#[test]
 fn pdf_of_all_lights_integrates_to_one() {
     // Uniform directions: the environment's pdf everywhere, plus that of each emitter that the ray meets.
     let environment = EnvironmentDescription::Constant(Vec3::splat(0.5));
     let emitters = quad(0, 1.0, 0.8, 2.0);
-    let lights = Lights::build(emitters.clone(), &[], &environment, BOUNDS);
+    let lights = Lights::build(emitters.clone(), &[], &environment);
     let point = Vec3::new(0.3, 0.0, 0.2);
     for normal in [None, Some(Vec3::Y), Some(Vec3::new(0.6, 0.8, 0.0))] {
         let mut rng = SmallRng::new(4);
@@ -237,7 +272,7 @@ fn textured_emission_is_looked_up_where_the_sample_is() {
     let vertices = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(2.0, 0.3, -1.0), Vec3::new(0.0, 0.0, 1.5)];
     let mut emitter = triangle(2, 5, vertices, 1.0 / 3.0, true);
     emitter.radiance = EmissiveRadiance::Textured(Arc::new(Ramp));
-    let lights = Lights::build(vec![emitter], &[], &DARK, BOUNDS);
+    let lights = Lights::build(vec![emitter], &[], &DARK);
     for (point, tolerance) in [(Vec3::new(0.1, 1.0, 0.0), 1e-4), (Vec3::new(0.0, 80.0, 0.0), 1e-3)] {
         let mut rng = SmallRng::new(2);
         for _ in 0..2000 {
@@ -256,7 +291,7 @@ fn ids_are_found_with_and_without_gaps() {
     let mut emitters = vec![flat(7, 9), flat(2, 4), flat(2, 5), flat(2, 6), flat(7, 2), flat(7, 3)];
     emitters.push(triangle(7, 4, [Vec3::ZERO; 3], 1.0, false));
     emitters.push(EmissiveTriangle { power: Vec3::ZERO, ..flat(8, 0) });
-    let lights = Lights::build(emitters, &[], &DARK, BOUNDS);
+    let lights = Lights::build(emitters, &[], &DARK);
     assert_eq!(lights.emitter_count(), 6);
     for (instance, index) in [(2, 4), (2, 5), (2, 6), (7, 2), (7, 3), (7, 9)] {
         let found = lights.emitter(lights.emitter_id(instance, index).unwrap()).unwrap();
@@ -265,7 +300,7 @@ fn ids_are_found_with_and_without_gaps() {
     for (instance, index) in [(0, 0), (2, 3), (2, 7), (7, 4), (7, 5), (7, 10), (8, 0), (u32::MAX, 0)] {
         assert_eq!(lights.emitter_id(instance, index), None);
     }
-    let none = Lights::build(vec![], &[], &DARK, BOUNDS);
+    let none = Lights::build(vec![], &[], &DARK);
     assert!(none.is_empty() && none.emitter_id(0, 0).is_none());
     assert!(none.sample(Vec3::ZERO, None, 0.5, Vec2::splat(0.5)).is_none());
     assert_eq!(none.environment_pdf(Vec3::ZERO, None, Vec3::Y), 0.0);

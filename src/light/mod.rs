@@ -1,14 +1,18 @@
 //! Light from environments, emissive triangles and punctual lights, and choosing among them.
 
 pub mod beacon;
+mod cone;
 pub mod emitter;
 pub mod environment;
 mod irradiance;
 pub mod lights;
+mod many;
 mod mixture;
 mod nearest;
 pub mod punctual;
 pub mod studio;
+mod tree;
+mod tree_build;
 
 pub use emitter::{EmissionField, EmissiveRadiance, EmissiveTriangle, EmitterId};
 pub use environment::Environment;

@@ -72,25 +72,9 @@ pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradian
     })
 }
 
-/// Power in watts (channel mean) that a light sends into a scene of the given radius; ranges are ignored.
-pub fn power(light: &PunctualLight, scene_radius: f32) -> f32 {
-    use std::f32::consts::{PI, TAU};
-    let intensity = light.intensity.element_sum() / 3.0;
-    intensity
-        * match light.kind {
-            PunctualKind::Point => 2.0 * TAU,
-            // ∫ ramp² over the cone, with the ramp linear in the cosine.
-            PunctualKind::Spot { inner, outer } => {
-                TAU * ((1.0 - inner.cos()) + (inner.cos() - outer.cos()).max(0.0) / 3.0)
-            }
-            PunctualKind::Directional => PI * scene_radius * scene_radius,
-        }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::{SmallRng, statistics::Estimate, warp};
 
     fn light(kind: PunctualKind, range: Option<f32>) -> PunctualLight {
         PunctualLight {
@@ -129,21 +113,5 @@ mod tests {
         let sun = light(PunctualKind::Directional, Some(1.0));
         let i = irradiance(&sun, Vec3::splat(1e6)).unwrap();
         assert_eq!((i.direction, i.distance, i.irradiance.y), (Vec3::Y, f32::INFINITY, 4.0));
-    }
-
-    #[test]
-    fn power_is_the_flux_through_a_sphere() {
-        for kind in [PunctualKind::Point, PunctualKind::Spot { inner: 0.4, outer: 1.1 }] {
-            let light = light(kind, None);
-            let mut rng = SmallRng::new(1);
-            let mut flux = Estimate::default();
-            for _ in 0..100_000 {
-                let p = light.position + 3.0 * warp::uniform_sphere(rng.vec2());
-                let e = irradiance(&light, p).map_or(0.0, |i| i.irradiance.element_sum() / 3.0);
-                flux.add(f64::from(e) * 36.0 * std::f64::consts::PI);
-            }
-            let z = flux.z(f64::from(power(&light, 1.0)));
-            assert!(z.abs() < 4.0, "{kind:?}: z = {z}");
-        }
     }
 }

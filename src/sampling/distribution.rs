@@ -1,5 +1,5 @@
 //! Discrete and image distributions by inversion of their cumulative sums, which keeps the order of the entries and
-//! so the stratification of the uniform numbers (unlike an alias table).
+//! so the stratification of the uniform numbers (an alias table would not).
 //!
 //! Cumulative sums are 32-bit fixed point: entry i covers the integers `cdf[i]..cdf[i + 1]`, every positive weight
 //! covers at least one, and a probability is exactly `(cdf[i + 1] − cdf[i]) / 2³²`, so sampling and pdf cannot

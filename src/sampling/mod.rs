@@ -3,7 +3,6 @@
 //! Every function takes its uniform numbers as arguments; [`Sampler`] and [`SmallRng`] are the two places where
 //! they come from. Uniform numbers lie in \[0, 1), never 1.
 
-pub mod alias;
 pub mod arctangent;
 pub mod distribution;
 pub mod fast_math;
@@ -16,7 +15,6 @@ pub mod spherical_triangle;
 pub(crate) mod statistics;
 pub mod warp;
 
-pub use alias::AliasTable;
 pub use arctangent::atan2;
 pub use distribution::{Cell, Distribution1D, Distribution2D};
 pub use frame::{Frame, orthonormal_basis};

@@ -1,5 +1,6 @@
 //! Cameras as ray generators, and the automatic framing used when a file has none.
 
+use super::Footprint;
 use super::description::{CameraDescription, Projection};
 use crate::geometry::Ray;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
@@ -46,6 +47,23 @@ impl Camera {
     /// The eye (perspective), or the centre of the view plane (orthographic).
     pub fn origin(&self) -> Vec3 {
         self.origin
+    }
+
+    /// Whether rays are parallel, and start at points of their own.
+    pub fn is_orthographic(&self) -> bool {
+        self.orthographic
+    }
+
+    /// The narrow side of a pixel that a ray of this camera is one of `samples` of.
+    pub fn footprint(&self, ray: &Ray, samples: u32) -> Footprint {
+        let side = 2.0 * self.half_extent.y / self.size.y;
+        if self.orthographic {
+            Footprint::of_pixel(side, 0.0, samples)
+        } else {
+            // Off the axis pixels are nearer to edge-on, and farther along the ray than along the axis.
+            let cos = -ray.direction.dot(self.axes.z_axis);
+            Footprint::of_pixel(0.0, side * cos * cos, samples)
+        }
     }
 
     /// The ray through `raster`, in pixels from the top left corner.

@@ -3,6 +3,7 @@
 use super::description::*;
 use super::emission::SceneEmission;
 use super::object::Object;
+use super::pyramid::Pyramid;
 use super::surface::Surface;
 use super::texture;
 use crate::geometry::{GeometryError, Hit, SceneGeometry, Topology};
@@ -51,6 +52,8 @@ pub struct Scene {
     pub lights: Lights,
     /// Where most of their light comes from.
     pub beacons: Vec<Beacon>,
+    /// For each texture whose look-ups may be averaged.
+    pub(super) pyramids: Vec<Option<(ColorSpace, Pyramid)>>,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -95,14 +98,10 @@ impl Scene {
         let mut scene = Self {
             has_see_through: false,
             objects: vec![Object::default(); description.instances.len()],
-            lights: Lights::build(
-                Vec::new(),
-                &[],
-                &EnvironmentDescription::default(),
-                (Vec3::ZERO, Vec3::ZERO),
-            ),
+            lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
             default_material: MaterialDescription::default(),
             beacons: Vec::new(),
+            pyramids: Self::pyramids_of(&description),
             description: Arc::new(description),
             geometry,
             media,
@@ -111,7 +110,6 @@ impl Scene {
             mirrored,
         };
         let emitters = scene.emissive_triangles();
-        let bounds = scene.geometry.bounds();
         scene.compile_objects(&holds_medium, &emitters);
         scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && o.overlapped)
             || scene.description.materials.iter().any(|m| {
@@ -120,7 +118,7 @@ impl Scene {
             });
         let punctual = &scene.description.lights;
         let environment = &scene.description.environment;
-        scene.lights = Lights::build(emitters, punctual, environment, (bounds.min, bounds.max));
+        scene.lights = Lights::build(emitters, punctual, environment);
         scene.beacons = beacons(&scene.lights, punctual);
         let concentrated = scene.lights.environment().effective_solid_angle() < WIDEST_LIGHT;
         let aimable = concentrated || !scene.beacons.is_empty();
@@ -157,7 +155,7 @@ impl Scene {
     pub fn emission(&self, surface: &Surface) -> Vec3 {
         let material = self.material(surface.material);
         match &material.emission_texture {
-            Some(t) => material.emission * surface.texture(self, t).truncate(),
+            Some(t) => material.emission * surface.color_texture(self, t, material.alpha_mode).truncate(),
             None => material.emission,
         }
     }

@@ -110,6 +110,16 @@ pub enum Wrap {
     ClampToEdge,
 }
 
+/// What to do where a pixel sees many texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Minify {
+    /// Average over what a sample sees ([`super::Footprint`]), where light depends linearly on the texture.
+    #[default]
+    Footprint,
+    /// Look up single points, and leave averages to the samples of the pixel.
+    Point,
+}
+
 /// An image with its sampler.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureDescription {
@@ -121,6 +131,8 @@ pub struct TextureDescription {
     pub wrap_v: Wrap,
     /// Whether texels are blended bilinearly (otherwise the nearest is taken).
     pub linear_filter: bool,
+    /// Where a pixel sees many texels.
+    pub minify: Minify,
 }
 
 /// What the numbers of a texture mean.

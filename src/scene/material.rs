@@ -55,7 +55,7 @@ impl Scene {
         let material = self.material(surface.material);
         let mut color = material.base_color * surface.color(self);
         if let Some(t) = &material.base_color_texture {
-            color *= surface.texture(self, t);
+            color *= surface.color_texture(self, t, material.alpha_mode);
         }
         color.clamp(Vec4::ZERO, Vec4::ONE)
     }

@@ -23,6 +23,8 @@ pub struct Surface {
     pub barycentric: Vec2,
     /// Material index, [`super::NO_MATERIAL`] for none.
     pub material: u32,
+    /// Width over which colour textures are averaged, metres across the ray; 0: points. See [`super::Footprint`].
+    pub footprint: f32,
 }
 
 impl Surface {
@@ -40,6 +42,7 @@ impl Surface {
             triangle: hit.triangle,
             barycentric: Vec2::new(hit.u, hit.v),
             material: mesh.triangle_materials[hit.triangle as usize],
+            footprint: 0.0,
         };
         if !mesh.normals.is_empty() {
             let local = surface.interpolate(mesh.triangles[hit.triangle as usize], &mesh.normals, |n| *n);

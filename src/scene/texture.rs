@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec4};
 
+use super::Pyramid;
 use super::description::{
     ColorSpace, ImageData, ImagePixels, SceneDescription, TextureDescription, TextureRef, Wrap,
 };
@@ -56,19 +57,51 @@ impl<'a> TextureSampler<'a> {
     /// coordinate that is no number counts as 0.
     #[inline]
     pub fn sample(&self, uv: Vec2) -> Vec4 {
-        let uv = self.reference.transform.transform_point2(uv);
         let (w, h) = (self.image.width, self.image.height);
-        let u = fold(uv.x, self.texture.wrap_u);
-        let v = fold(uv.y, self.texture.wrap_v);
+        let uv = self.folded(uv);
         if !self.texture.linear_filter {
-            let x = ((u * w as f32) as u32).min(w - 1);
-            let y = ((v * h as f32) as u32).min(h - 1);
+            let x = ((uv.x * w as f32) as u32).min(w - 1);
+            let y = ((uv.y * h as f32) as u32).min(h - 1);
             return self.texel(x, y);
         }
-        let (x0, x1, fx) = neighbours(u, w, self.texture.wrap_u);
-        let (y0, y1, fy) = neighbours(v, h, self.texture.wrap_v);
-        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        self.bilinear(uv, w, h, |x, y| self.texel(x, y))
+    }
+
+    /// As [`Self::sample`], averaged: blended between levels of `pyramid`, which is that of [`Self::pyramid`]. `level` is
+    /// log₂ of the width of a texel, above 0.
+    pub fn sample_wide(&self, uv: Vec2, level: f32, pyramid: &Pyramid) -> Vec4 {
+        let lower = level.min(64.0).floor();
+        let of_level = |i: usize| match pyramid.level(i) {
+            Some(l) if i > 0 => self.bilinear(self.folded(uv), l.width, l.height, |x, y| l.texel(x, y)),
+            _ => self.sample(uv),
+        };
+        of_level(lower as usize).lerp(of_level(lower as usize + 1), (level - lower).clamp(0.0, 1.0))
+    }
+
+    /// The image at lower resolutions, decoded.
+    pub fn pyramid(&self) -> Pyramid {
+        let float = matches!(self.image.pixels, ImagePixels::Rgba32F(_));
+        Pyramid::new(self.image.width, self.image.height, float, |x, y| self.texel(x, y))
+    }
+
+    /// Texels in a unit square of texture coordinates of the mesh.
+    pub fn texels_per_uv(&self) -> f32 {
+        let area = self.reference.transform.matrix2.determinant().abs();
+        area * self.image.width as f32 * self.image.height as f32
+    }
+
+    #[inline]
+    fn folded(&self, uv: Vec2) -> Vec2 {
+        let uv = self.reference.transform.transform_point2(uv);
+        Vec2::new(fold(uv.x, self.texture.wrap_u), fold(uv.y, self.texture.wrap_v))
+    }
+
+    #[inline]
+    fn bilinear(&self, uv: Vec2, w: u32, h: u32, texel: impl Fn(u32, u32) -> Vec4) -> Vec4 {
+        let (x0, x1, fx) = neighbours(uv.x, w, self.texture.wrap_u);
+        let (y0, y1, fy) = neighbours(uv.y, h, self.texture.wrap_v);
+        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
+        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
         top.lerp(bottom, fy)
     }
 
@@ -163,6 +196,7 @@ pub fn sample(scene: &SceneDescription, reference: &TextureRef, uv: Vec2) -> Vec
 mod tests {
     use glam::{Affine2, Mat2, Vec2, Vec4};
 
+    use super::super::Minify;
     use super::*;
 
     /// Two by two grey texels: 0, 51 / 102, 255, with alpha 255, 255 / 0, 255.
@@ -176,7 +210,13 @@ mod tests {
                 height: 2,
                 pixels: ImagePixels::Rgba8(pixels),
             }],
-            textures: vec![TextureDescription { image: 0, wrap_u: wrap, wrap_v: wrap, linear_filter }],
+            textures: vec![TextureDescription {
+                image: 0,
+                wrap_u: wrap,
+                wrap_v: wrap,
+                linear_filter,
+                minify: Minify::Footprint,
+            }],
             ..SceneDescription::default()
         }
     }

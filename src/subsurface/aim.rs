@@ -279,7 +279,7 @@ mod tests {
         };
         let punctual = [light(1.0, 0.0, 1.0), light(-2.0, 1.0, 0.5)];
         let environment = EnvironmentDescription::default();
-        let lights = Lights::build(Vec::new(), &punctual, &environment, (Vec3::NEG_ONE, Vec3::ONE));
+        let lights = Lights::build(Vec::new(), &punctual, &environment);
         let mut aim = Aim::default();
         aim.set_boundary(Vec3::ZERO, Vec3::new(0.1, 0.2, 0.97).normalize(), 1.4, 0.3);
         assert!(aim.at_beacons(&beacons(&lights, &punctual), Vec3::ZERO));

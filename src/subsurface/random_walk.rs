@@ -35,10 +35,10 @@ use glam::{Vec3, Vec3A};
 const ROULETTE_BELOW: f32 = 0.5;
 
 /// Depth below the boundary, in the longest mean free path, down to which directions are aimed at lights.
-const AIMING_DEPTH: f32 = 2.0;
+pub(super) const AIMING_DEPTH: f32 = 2.0;
 /// Probability of aiming at the boundary, and how fast it falls with depth. Measured: more costs more than it saves.
-const AIMING_RATE: f32 = 0.35;
-const AIMING_FALLOFF: f32 = 1.5;
+pub(super) const AIMING_RATE: f32 = 0.35;
+pub(super) const AIMING_FALLOFF: f32 = 1.5;
 
 /// The ground truth.
 pub struct RandomWalk;

@@ -36,6 +36,8 @@ impl PathTracer<'_> {
             None => (0.0, 1.0),
         };
         let weight = Techniques::new(&v.aimed, path.head.direction, light, chance).weigh_chance();
-        path.head.throughput * self.scene.emission(surface) * weight
+        // Where lights were sampled, too, both techniques must find the same light.
+        let footprint = if v.connected { 0.0 } else { surface.footprint };
+        path.head.throughput * self.scene.emission(&Surface { footprint, ..*surface }) * weight
     }
 }

@@ -7,11 +7,14 @@
 mod chance;
 mod direct;
 mod emerge;
+mod ground;
 mod media;
 mod path;
+mod pixel;
 mod render;
 pub mod searchlight;
 mod state;
+mod surroundings;
 mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};

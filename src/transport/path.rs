@@ -2,14 +2,16 @@
 
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
-use super::media::{Crossing, MediumStack};
+use super::media::Crossing;
+use super::pixel::{Caught, PixelSample};
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
+use super::surroundings::Surroundings;
 use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, BsdfSample, Medium};
 use crate::sampling::Sampler;
-use crate::scene::{AlphaMode, Camera, Object, Scene, Shading, Surface};
+use crate::scene::{AlphaMode, Camera, Footprint, Object, Scene, Shading, Surface};
 use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
@@ -26,7 +28,7 @@ pub(super) struct PathTracer<'a> {
     pub model: &'a dyn Propagator,
     pub camera: &'a Camera,
     /// The media around the camera.
-    pub surrounding: MediumStack,
+    pub surroundings: &'a Surroundings,
     pub counters: Cell<Counters>,
 }
 
@@ -41,26 +43,18 @@ impl PathTracer<'_> {
         self.counters.set(c);
     }
 
-    /// Radiance of one sample of the pixel at (x, y).
-    pub(super) fn sample_pixel(&self, x: u32, y: u32, sampler: &mut Sampler) -> Vec3 {
+    /// One sample of the pixel at (x, y).
+    pub(super) fn sample_pixel(&self, x: u32, y: u32, sampler: &mut Sampler) -> PixelSample {
         let raster = Vec2::new(x as f32, y as f32) + sampler.next_2d();
-        let radiance = self.trace(self.camera.ray(raster), sampler);
-        if radiance.is_finite() {
-            radiance
-        } else {
+        let mut sample = self.trace(self.camera.ray(raster), sampler);
+        if !sample.radiance.is_finite() {
             self.count(|c| c.invalid += 1);
-            Vec3::ZERO
+            sample.radiance = Vec3::ZERO;
         }
+        sample
     }
 
-    fn trace(&self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
-        let start = Vertex {
-            point: ray.origin,
-            anchor: Shaded::NOWHERE,
-            pdf: 1.0,
-            connected: false,
-            aimed: Aimed::default(),
-        };
+    fn trace(&self, ray: Ray, sampler: &mut Sampler) -> PixelSample {
         let mut path = Path {
             head: PathHead {
                 position: ray.origin,
@@ -70,26 +64,48 @@ impl PathTracer<'_> {
                 start: None,
                 aimed: Aimed::default(),
             },
-            stack: self.surrounding,
-            vertex: start,
+            stack: self.surroundings.at(self.scene, ray.origin),
+            vertex: Vertex::unconnected(ray.origin),
             events: 0,
             bounces: 0,
             direct_view: true,
+            footprint: if self.options.filter_textures {
+                self.camera.footprint(&ray, self.options.spp)
+            } else {
+                Footprint::default()
+            },
         };
         let mut radiance = Vec3::ZERO;
-        self.follow(&mut path, &mut radiance, sampler);
-        radiance
+        let caught = self.follow(&mut path, &mut radiance, sampler);
+        // What is seen straight through clear media is dimmed.
+        let clear = if path.direct_view { path.head.throughput.element_sum() / 3.0 } else { 0.0 };
+        PixelSample { radiance, covered: 1.0 - clear, caught }
     }
 
-    /// Follows a path until it ends.
-    fn follow(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) {
+    /// Follows a path until it ends; what it sees if that is the ground.
+    pub(super) fn follow(
+        &self,
+        path: &mut Path,
+        radiance: &mut Vec3,
+        sampler: &mut Sampler,
+    ) -> Option<Caught> {
         while path.events < self.options.max_depth {
-            let alive = match self.advance(path, radiance, sampler) {
+            let from = path.head.position;
+            let arrival = self.advance(path, radiance, sampler);
+            if path.direct_view
+                && path.stack.is_empty()
+                && let Some(t) = self.ground_distance(from, path.head.direction, &arrival)
+            {
+                return Some(self.catch(path, from + t * path.head.direction, sampler));
+            }
+            let alive = match arrival {
                 Arrival::Surface(hit) => self.meet_surface(&hit, path, radiance, sampler),
                 Arrival::Exit(exit) => self.leave_below(*exit, path, radiance, sampler),
                 Arrival::Escaped => {
-                    *radiance += self.environment(path);
-                    return;
+                    if !(path.direct_view && self.options.transparent) {
+                        *radiance += self.environment(path);
+                    }
+                    return None;
                 }
                 Arrival::Ended => false,
             };
@@ -97,10 +113,11 @@ impl PathTracer<'_> {
                 if path.events >= self.options.max_depth {
                     break;
                 }
-                return;
+                return None;
             }
         }
         self.count(|c| c.truncated += 1);
+        None
     }
 
     /// Moves the head to where it arrives next.
@@ -132,13 +149,7 @@ impl PathTracer<'_> {
         if let Some(vertex) = lights.vertex {
             path.vertex = vertex;
         } else if path.head.events > 0 {
-            path.vertex = Vertex {
-                point: path.head.position,
-                anchor: Shaded::NOWHERE,
-                pdf: 1.0,
-                connected: false,
-                aimed: Aimed::default(),
-            };
+            path.vertex = Vertex::unconnected(path.head.position);
         }
         path.events = path.events.saturating_add(path.head.events);
         let events = path.head.events;
@@ -147,6 +158,9 @@ impl PathTracer<'_> {
             c.events += u64::from(events);
         });
         path.direct_view &= events == 0;
+        if events > 0 {
+            path.footprint.forget();
+        }
         arrival
     }
 
@@ -173,7 +187,9 @@ impl PathTracer<'_> {
 
     /// Shades a surface and chooses where the path goes on. False: it ends.
     fn meet_surface(&self, hit: &Hit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
-        let surface = Surface::new(self.scene, hit);
+        let mut surface = Surface::new(self.scene, hit);
+        path.footprint.travel(surface.position.distance(path.head.position));
+        surface.footprint = path.footprint.width;
         let material = self.scene.material(surface.material);
         let wo = -path.head.direction;
         let front = wo.dot(surface.geometric_normal) > 0.0;
@@ -187,6 +203,7 @@ impl PathTracer<'_> {
             return true;
         }
         if material.unlit {
+            path.direct_view = false;
             *radiance += path.head.throughput * self.scene.base_color(&surface).truncate();
             return false;
         }
@@ -304,6 +321,9 @@ impl PathTracer<'_> {
         let rival = if sample.transmitted && consistent { path.head.aimed } else { none };
         let aimed = if connected == weighed { rival } else { none };
         path.head.aimed = Aimed::default();
+        if !sample.delta {
+            path.footprint.scatter(sample.pdf);
+        }
         path.head.throughput *= sample.weight;
         path.head.direction = wi;
         if let Some(e) = shaded.enclosure

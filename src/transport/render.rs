@@ -4,15 +4,16 @@
 //! double precision, so that the result does not depend on who rendered which tile when. A cancelled render keeps
 //! every tile it finished.
 
-use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::pixel::{Composite, Coverage, into_film};
 use super::state::Counters;
+use super::surroundings::Surroundings;
 use crate::film::Film;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;
 use crate::scene::{Camera, CameraDescription, Scene};
 use crate::subsurface::{Propagator, Registry};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -45,6 +46,13 @@ pub struct RenderOptions {
     pub microfacet: Microfacet,
     /// Whether paths below a surface are also aimed at lights beyond it; off, the same picture is noisier.
     pub aim: bool,
+    /// Whether colour textures are averaged over what a sample sees of them ([`crate::scene::Footprint`]); off, they are
+    /// looked up at points.
+    pub filter_textures: bool,
+    /// Height (y, metres) of a horizontal plane that is seen only by the shadow that falls on it.
+    pub ground: Option<f32>,
+    /// Whether the background is left out, and the film has alpha.
+    pub transparent: bool,
 }
 
 impl RenderOptions {
@@ -61,6 +69,9 @@ impl RenderOptions {
             max_depth: 100_000,
             microfacet: Microfacet::Multiple,
             aim: true,
+            filter_textures: true,
+            ground: None,
+            transparent: false,
         }
     }
 
@@ -152,6 +163,8 @@ struct Tile {
     width: u32,
     height: u32,
     sums: Vec<DVec3>,
+    /// As long as `sums` where there may be something behind objects, else empty.
+    coverage: Vec<Coverage>,
     samples: u32,
     counters: Counters,
 }
@@ -207,8 +220,9 @@ impl Job<'_> {
     fn run(&self) -> Rendered {
         let &RenderOptions { width, height, spp, .. } = self.options;
         let camera = Camera::new(&self.options.camera, width, height);
-        let surrounding = surrounding(self.scene, camera.origin());
-        let mut tiles = tiles(width, height);
+        let size = Vec2::new(width as f32, height as f32);
+        let surroundings = Surroundings::new(self.scene, &camera, size);
+        let mut tiles = tiles(width, height, self.has_coverage());
         let total = u64::from(width) * u64::from(height) * u64::from(spp);
         let done = AtomicU64::new(0);
         let mut first = 0;
@@ -218,7 +232,7 @@ impl Job<'_> {
                 if self.control.cancelled() {
                     return;
                 }
-                self.render_tile(tile, first..last, &camera, surrounding);
+                self.render_tile(tile, first..last, &camera, &surroundings);
                 let samples = tile.sums.len() as u64 * u64::from(last - first);
                 let so_far = done.fetch_add(samples, Ordering::Relaxed) + samples;
                 self.control.advance(so_far, total);
@@ -233,36 +247,54 @@ impl Job<'_> {
         tile: &mut Tile,
         samples: std::ops::Range<u32>,
         camera: &Camera,
-        surrounding: MediumStack,
+        surroundings: &Surroundings,
     ) {
         let tracer = PathTracer {
             scene: self.scene,
             options: self.options,
             model: self.model,
             camera,
-            surrounding,
+            surroundings,
             counters: Cell::new(tile.counters),
         };
         let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
-        for ((x, y), sum) in positions.zip(&mut tile.sums) {
+        for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {
                 let mut sampler = Sampler::new(y * self.options.width + x, sample, self.options.seed);
-                *sum += tracer.sample_pixel(x, y, &mut sampler).as_dvec3();
+                let found = tracer.sample_pixel(x, y, &mut sampler);
+                *sum += found.radiance.as_dvec3();
+                if let Some(coverage) = tile.coverage.get_mut(i) {
+                    coverage.add(&found);
+                }
             }
         }
         tile.samples = samples.end;
         tile.counters = tracer.counters.get();
     }
 
+    fn has_coverage(&self) -> bool {
+        self.options.transparent || self.options.ground.is_some()
+    }
+
     fn assemble(&self, tiles: &[Tile]) -> Rendered {
         let mut film = Film::new(self.options.width, self.options.height);
         let mut stats = RenderStats::default();
+        let mut composites = Vec::new();
+        if self.has_coverage() {
+            composites.resize(film.pixels.len(), Composite::default());
+        }
         for tile in tiles {
             for (i, sum) in tile.sums.iter().enumerate() {
                 let (x, y) = (tile.x + i as u32 % tile.width, tile.y + i as u32 / tile.width);
                 let mean = *sum / f64::from(tile.samples.max(1));
-                film.pixels[(y * self.options.width + x) as usize] = mean.as_vec3();
+                let at = (y * self.options.width + x) as usize;
+                match (tile.coverage.get(i), composites.get_mut(at)) {
+                    (Some(coverage), Some(composite)) => {
+                        *composite = coverage.finish(mean, tile.samples, self.options.transparent);
+                    }
+                    _ => film.pixels[at] = mean.as_vec3(),
+                }
             }
             stats.rays += tile.counters.rays;
             stats.scattering_events += tile.counters.events;
@@ -270,38 +302,24 @@ impl Job<'_> {
             stats.leaked_paths += tile.counters.leaks;
             stats.invalid_samples += tile.counters.invalid;
         }
+        if self.has_coverage() {
+            let &RenderOptions { transparent, ground, .. } = self.options;
+            into_film(&mut film, &composites, transparent, ground.is_some());
+        }
         Rendered { film, spp: tiles.iter().map(|t| t.samples).min().unwrap_or(0), stats }
     }
 }
 
-fn tiles(width: u32, height: u32) -> Vec<Tile> {
+fn tiles(width: u32, height: u32, has_coverage: bool) -> Vec<Tile> {
     let mut tiles = Vec::new();
     for y in (0..height).step_by(TILE as usize) {
         for x in (0..width).step_by(TILE as usize) {
             let (w, h) = (TILE.min(width - x), TILE.min(height - y));
             let sums = vec![DVec3::ZERO; (w * h) as usize];
+            let coverage = if has_coverage { vec![Coverage::default(); sums.len()] } else { Vec::new() };
             let counters = Counters::default();
-            tiles.push(Tile { x, y, width: w, height: h, sums, samples: 0, counters });
+            tiles.push(Tile { x, y, width: w, height: h, sums, coverage, samples: 0, counters });
         }
     }
     tiles
-}
-
-/// The closed media around a point.
-fn surrounding(scene: &Scene, point: Vec3) -> MediumStack {
-    let mut stack = MediumStack::default();
-    for (i, object) in scene.objects.iter().enumerate() {
-        let instance = i as u32;
-        if !(object.has_medium && object.closed) {
-            continue;
-        }
-        let local = scene.geometry.transform(instance).inverse_point(point);
-        if scene.geometry.mesh_of(instance).contains(local) {
-            let materials = &scene.mesh(instance).triangle_materials;
-            if let Some(&material) = materials.iter().find(|&&m| scene.medium(m).is_some()) {
-                stack.enter(Enclosure { instance, material, rank: object.rank });
-            }
-        }
-    }
-    stack
 }

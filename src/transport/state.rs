@@ -1,9 +1,10 @@
 //! What a path remembers between events.
 
+use super::direct::Shaded;
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::offset_origin;
 use crate::light::Anchor;
-use crate::scene::Surface;
+use crate::scene::{Footprint, Surface};
 use crate::subsurface::{Aimed, PathHead, Start};
 use glam::Vec3;
 
@@ -19,6 +20,13 @@ pub(super) struct Vertex {
     pub connected: bool,
     /// As [`PathHead::aimed`], for light found directly from here.
     pub aimed: Aimed,
+}
+
+impl Vertex {
+    /// A point from which no lights were sampled.
+    pub fn unconnected(point: Vec3) -> Self {
+        Self { point, anchor: Shaded::NOWHERE, pdf: 1.0, connected: false, aimed: Aimed::default() }
+    }
 }
 
 /// Events that tell of trouble, and work done; sums over all threads.
@@ -40,6 +48,8 @@ pub(super) struct Path {
     pub bounces: u32,
     /// The camera still sees straight through what was met.
     pub direct_view: bool,
+    /// How far its neighbours are apart.
+    pub footprint: Footprint,
 }
 
 impl Path {

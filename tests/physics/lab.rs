@@ -145,6 +145,9 @@ pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOption
         max_depth: 1_000_000,
         microfacet: Microfacet::Multiple,
         aim: true,
+        filter_textures: true,
+        ground: None,
+        transparent: false,
     }
 }
 
@@ -260,6 +263,7 @@ pub fn add_texture(scene: &mut SceneDescription, width: u32, texels: &[Vec3]) ->
         wrap_u: Wrap::Repeat,
         wrap_v: Wrap::Repeat,
         linear_filter: true,
+        minify: Minify::Footprint,
     });
     TextureRef {
         texture: scene.textures.len() - 1,

@@ -13,3 +13,4 @@ mod models;
 mod searchlight;
 mod slabs;
 mod spheres;
+mod views;

@@ -1,0 +1,119 @@
+//! How wide a sample is, and looking up textures over that width.
+//!
+//! **Idea.** A pixel of N samples is a mean of N look-ups, so each sample stands for the Nth part of the pixel, not for
+//! all of it. A texture is averaged over that part alone: the width of a footprint is that of the pixel over √N. What
+//! the samples' own places in the pixel average is not averaged twice, noise from texels that no sample of the pixel
+//! could tell apart is gone, and whatever filtering does wrong vanishes with more samples: blurring before a non-linear
+//! function, and bleeding across the seams of an atlas. At a bounce of density p the samples share out directions: each
+//! gets a solid angle of 1/(N p) (path differentials: Suykens & Willems 2001, "Path Differentials and Applications").
+//!
+//! **What is filtered.** Light depends linearly on base colour and emission: these. Roughness, metalness, normals,
+//! transmission and the coefficients of media enter non-linearly, coverage is a threshold, and a mean of colours of
+//! covered and uncovered texels is no colour of the surface: none of these, and no base colour with an alpha mode.
+//!
+//! The footprint is a disk across the ray; on a slanted surface its narrow side counts, the rest is left to the samples.
+//! Bending by curved mirrors and lenses is ignored, so a footprint behind them may be too narrow or too wide by their
+//! magnification, which costs noise or, at few samples, sharpness.
+
+use super::texture::TextureSampler;
+use super::{AlphaMode, ColorSpace, Minify, Pyramid, Scene, SceneDescription, Surface, TextureRef};
+use glam::Vec4;
+use rayon::prelude::*;
+
+/// A box as wide as a footprint and the bilinear look-up of a level have the same variance if texels are 0.58 (2^−0.79) of
+/// the width: (1/6 + 1/12) s² = w²/12.
+const SHARPEN: f32 = 0.79;
+/// Widest spread, radians: directions of tiny density stand for no more than this.
+const WIDEST: f32 = 1.0;
+
+/// The width of a path: how far apart its neighbours are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Footprint {
+    /// Diameter at the head, metres.
+    pub width: f32,
+    /// Growth of the diameter, metres a metre.
+    pub spread: f32,
+    /// 1/N.
+    share: f32,
+}
+
+impl Footprint {
+    /// Of a camera ray whose pixel is `width` wide at its origin and grows by `spread` a metre, one of `samples`.
+    pub fn of_pixel(width: f32, spread: f32, samples: u32) -> Self {
+        let share = 1.0 / samples.max(1) as f32;
+        let narrower = share.sqrt();
+        Self { width: width * narrower, spread: spread * narrower, share }
+    }
+
+    /// After a way of that length.
+    #[inline]
+    pub fn travel(&mut self, length: f32) {
+        self.width += self.spread * length;
+    }
+
+    /// After a bounce into a direction that was drawn with density `pdf` per steradian.
+    #[inline]
+    pub fn scatter(&mut self, pdf: f32) {
+        self.spread = self.spread.hypot((self.share / pdf).sqrt()).min(WIDEST);
+    }
+
+    /// After events that share out space in ways that are not followed: a point, from which nothing spreads.
+    #[inline]
+    pub fn forget(&mut self) {
+        (self.width, self.spread) = (0.0, 0.0);
+    }
+}
+
+impl Surface {
+    /// A base colour or emission texture, averaged over the footprint of the path.
+    #[inline]
+    pub fn color_texture(&self, scene: &Scene, texture: &TextureRef, alpha: AlphaMode) -> Vec4 {
+        if self.footprint <= 0.0 || alpha != AlphaMode::Opaque {
+            return self.texture(scene, texture);
+        }
+        self.wide_texture(scene, texture).unwrap_or_else(|| self.texture(scene, texture))
+    }
+
+    fn wide_texture(&self, scene: &Scene, texture: &TextureRef) -> Option<Vec4> {
+        let (color_space, pyramid) = scene.pyramids.get(texture.texture)?.as_ref()?;
+        if *color_space != texture.color_space {
+            return None;
+        }
+        let sampler = TextureSampler::new(&scene.description.textures, &scene.description.images, texture)?;
+        let mesh = scene.mesh(self.instance);
+        let triangle = mesh.triangles[self.triangle as usize].map(|i| i as usize);
+        let place = &scene.description.instances[self.instance as usize].transform;
+        let [a, b, c] = triangle.map(|i| place.transform_point3(mesh.positions[i]));
+        let uvs = mesh.uvs.get(texture.uv_set).filter(|uvs| !uvs.is_empty())?;
+        let [s, t, r] = triangle.map(|i| uvs[i]);
+        let area = (b - a).cross(c - a).length();
+        let texels = (t - s).perp_dot(r - s).abs() * sampler.texels_per_uv();
+        let level = 0.5 * (self.footprint * self.footprint * texels / area).log2() - SHARPEN;
+        if level.is_nan() || level <= 0.0 {
+            return None;
+        }
+        Some(sampler.sample_wide(self.uv(scene, texture.uv_set), level, pyramid))
+    }
+}
+
+impl Scene {
+    /// A pyramid for each texture whose look-ups may be averaged.
+    pub(super) fn pyramids_of(description: &SceneDescription) -> Vec<Option<(ColorSpace, Pyramid)>> {
+        let mut wanted = vec![None; description.textures.len()];
+        for material in description.materials.iter().filter(|m| m.alpha_mode == AlphaMode::Opaque) {
+            for reference in material.base_color_texture.iter().chain(&material.emission_texture) {
+                if let Some(slot) = wanted.get_mut(reference.texture)
+                    && description.textures[reference.texture].minify == Minify::Footprint
+                {
+                    *slot = Some(*reference);
+                }
+            }
+        }
+        let build = |reference: &Option<TextureRef>| {
+            let reference = reference.as_ref()?;
+            let sampler = TextureSampler::new(&description.textures, &description.images, reference)?;
+            Some((reference.color_space, sampler.pyramid()))
+        };
+        wanted.par_iter().map(build).collect()
+    }
+}

@@ -1,0 +1,183 @@
+//! What the camera sees besides objects: the ground by its shadow, transparent backgrounds, media around orthographic
+//! cameras, and textures that are small in the picture.
+
+use crate::lab::*;
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+use nephrite::scene::*;
+use nephrite::transport::{RenderOptions, render};
+use std::f32::consts::PI;
+
+fn square(half: f32) -> MeshDescription {
+    MeshDescription {
+        positions: [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]]
+            .map(|[x, z]| half * Vec3::new(x, 0.0, z))
+            .to_vec(),
+        uvs: vec![vec![Vec2::ZERO, Vec2::Y, Vec2::ONE, Vec2::X]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![0; 2],
+        ..Default::default()
+    }
+}
+
+fn matte(albedo: f32) -> MaterialDescription {
+    MaterialDescription {
+        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
+        metallic: 0.0,
+        roughness: 1.0,
+        specular: 0.0,
+        double_sided: true,
+        ..Default::default()
+    }
+}
+
+/// Part of the sky over a point that a square of half size `x` one metre above it takes away: four times the
+/// configuration factor of a rectangle above a corner (Howell's catalogue, B-4).
+fn hidden(x: f32) -> f32 {
+    let s = x / (1.0 + x * x).sqrt();
+    4.0 * s * s.atan() * 2.0 / (2.0 * PI)
+}
+
+#[test]
+fn the_shadow_of_a_black_square_is_its_configuration_factor() {
+    let sky = EnvironmentDescription::Constant(Vec3::new(0.7, 0.35, 1.4));
+    let mut description = single(square(0.5), matte(0.0), sky);
+    description.instances[0] = place(0, Affine3A::from_translation(Vec3::Y));
+    let scene = Scene::build(description).expect("builds");
+    let camera = ortho(Vec3::new(1.0, -0.3, 0.0), 0.3, 1e-4);
+    let shadow = RenderOptions { ground: Some(0.0), ..options(camera, 24, 64) };
+    let kept = 1.0 - hidden(0.5);
+    let expected = [0.7, 0.35, 1.4].map(|c| f64::from(c * kept));
+    measure(&scene, &shadow).assert_matches(expected, [1e-5; 3], "shadow");
+
+    let clear = RenderOptions { transparent: true, ..shadow };
+    let film = render(&scene, &clear, &()).expect("renders").film;
+    assert!(film.pixels.iter().all(|p| *p == Vec3::ZERO), "a shadow is black");
+    let alpha: Vec<[f64; 3]> = film.alpha.expect("alpha").iter().map(|&a| [f64::from(a); 3]).collect();
+    Estimate::of(&alpha).assert_matches([f64::from(1.0 - kept); 3], [1e-5; 3], "alpha");
+    let layer = &film.layers[0];
+    assert_eq!(layer.name, "shadow");
+    let values: Vec<[f64; 3]> =
+        (0..24 * 24).map(|i| [0, 1, 2].map(|c| f64::from(layer.channels[c].values[i]))).collect();
+    Estimate::of(&values).assert_matches([f64::from(kept); 3], [1e-5; 3], "layer");
+}
+
+#[test]
+fn nothing_in_the_way_leaves_the_background_as_it_is() {
+    let sky = EnvironmentDescription::Constant(Vec3::splat(0.6));
+    let mut description = single(square(0.5), matte(0.0), sky);
+    // Below the ground, so that it hides nothing; a sun and a lamp add no noise either.
+    description.instances[0] = place(0, Affine3A::from_translation(Vec3::NEG_Y));
+    description.lights.push(PunctualLight {
+        name: String::new(),
+        intensity: Vec3::splat(5.0),
+        position: Vec3::new(0.3, 2.0, 0.0),
+        direction: Vec3::NEG_Y,
+        range: None,
+        kind: PunctualKind::Point,
+    });
+    let scene = Scene::build(description).expect("builds");
+    let camera = ortho(Vec3::new(1.0, -1.0, 0.0), 3.0, 2.0);
+    let plain = RenderOptions { ground: Some(0.0), ..options(camera, 8, 2) };
+    let film = render(&scene, &plain, &()).expect("renders").film;
+    assert!(film.pixels.iter().all(|p| (*p - 0.6).abs().max_element() < 1e-6), "{:?}", film.pixels);
+    let clear = RenderOptions { transparent: true, ..plain };
+    let alpha = render(&scene, &clear, &()).expect("renders").film.alpha.expect("alpha");
+    assert!(alpha.iter().all(|a| a.abs() < 1e-6));
+}
+
+#[test]
+fn alpha_is_coverage_and_colours_are_premultiplied() {
+    // A square over the left half of the picture, in a furnace: radiance is that of the sky where it covers.
+    let sky = EnvironmentDescription::Constant(Vec3::splat(0.8));
+    let mut description = single(square(1.0), matte(1.0), sky);
+    description.instances[0] = place(0, Affine3A::from_translation(Vec3::NEG_X));
+    let scene = Scene::build(description).expect("builds");
+    let camera = CameraDescription {
+        name: String::new(),
+        transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
+        projection: Projection::Orthographic { ymag: 0.75, aspect: None },
+    };
+    // Three columns: covered, half covered, open.
+    let clear = RenderOptions { transparent: true, ..options(camera, 3, 1024) };
+    let film = render(&scene, &clear, &()).expect("renders").film;
+    let alpha = film.alpha.expect("alpha");
+    for row in 0..3 {
+        let at = |x: usize| (film.pixels[3 * row + x].x, alpha[3 * row + x]);
+        assert_eq!(at(2), (0.0, 0.0));
+        assert_eq!(at(0).1, 1.0);
+        // 1024 stratified samples.
+        assert!((at(1).1 - 0.5).abs() < 0.01, "{:?}", at(1));
+        for x in 0..2 {
+            assert!((at(x).0 / at(x).1 - 0.8).abs() < 0.02, "{:?}", at(x));
+        }
+    }
+}
+
+#[test]
+fn orthographic_rays_start_inside_or_beside_an_object() {
+    // The view plane cuts a ball of clear, absorbing medium of index 1 in its middle: rays inside of it have half a chord to
+    // go, rays beside it meet nothing.
+    let sky = EnvironmentDescription::Constant(Vec3::ONE);
+    let medium = subsurface(Vec3::splat(2.0), Vec3::ZERO, 0.0, 1.0, 0.0);
+    let scene = Scene::build(single(icosphere(1.0, 5, false), medium, sky)).expect("builds");
+    let camera = ortho(Vec3::NEG_Z, 0.0, 1.5);
+    let rendered = render(&scene, &options(camera, 60, 64), &()).expect("renders");
+    assert_eq!(rendered.stats.leaked_paths, 0);
+    for (i, p) in rendered.film.pixels.iter().enumerate() {
+        let at = (Vec2::new((i % 60) as f32, (i / 60) as f32) + 0.5) * 0.05 - 1.5;
+        let r = at.length();
+        if (r - 1.0).abs() < 0.1 {
+            continue;
+        }
+        let expected = if r > 1.0 { 1.0 } else { (-2.0 * (1.0 - r * r).sqrt()).exp() };
+        // The ball is an icosahedron split five times, 0.1 % smaller; pixels are 0.05 wide.
+        assert!((p.x - expected).abs() < 0.02 * expected, "{at}: {} is not {expected}", p.x);
+    }
+}
+
+/// An unlit square of black and white texels, seen by 16² pixels that are `texels` texels wide.
+fn checkers(texels: u32, minify: Minify) -> SceneDescription {
+    let n = 16 * texels;
+    let mut scene = single(square(1.0), matte(1.0), EnvironmentDescription::default());
+    let values: Vec<Vec3> = (0..n * n).map(|i| Vec3::splat(((i % n + i / n) % 2) as f32)).collect();
+    let texture = add_texture(&mut scene, n, &values);
+    scene.textures[0].minify = minify;
+    scene.textures[0].linear_filter = false;
+    scene.materials[0].unlit = true;
+    scene.materials[0].base_color_texture = Some(texture);
+    scene
+}
+
+#[test]
+fn small_textures_are_averaged_over_the_part_of_a_pixel_that_a_sample_stands_for() {
+    let camera = || CameraDescription {
+        name: String::new(),
+        transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
+        projection: Projection::Orthographic { ymag: 1.0, aspect: None },
+    };
+    // 37 × 37 texels a pixel, 16 samples: each stands for 9 × 9 of them.
+    let noise = |minify, filter_textures| {
+        let scene = Scene::build(checkers(37, minify)).expect("builds");
+        let options = RenderOptions { filter_textures, ..options(camera(), 16, 16) };
+        let estimate = measure(&scene, &options);
+        println!("{minify:?} {filter_textures}: {} ± {}", estimate.mean[0], estimate.se[0]);
+        (estimate.mean[0] - 0.5, 16.0 * estimate.se[0])
+    };
+    let (bias, filtered) = noise(Minify::Footprint, true);
+    assert!(bias.abs() < 1e-3 && filtered < 0.005, "{bias}, noise {filtered}");
+    for (minify, filter) in [(Minify::Point, true), (Minify::Footprint, false)] {
+        // Independent black or white samples: ½/√16 a pixel.
+        let (bias, point) = noise(minify, filter);
+        assert!(
+            (point / 0.125 - 1.0).abs() < 0.25 && bias.abs() < 4.0 * 0.125 / 16.0,
+            "{bias}, noise {point}"
+        );
+    }
+    // Texels that the samples can tell apart are looked up as they are: pictures are equal.
+    let scene = Scene::build(checkers(1, Minify::Footprint)).expect("builds");
+    let picture = |filter_textures| {
+        let options = RenderOptions { filter_textures, ..options(camera(), 16, 4) };
+        render(&scene, &options, &()).expect("renders").film.pixels
+    };
+    assert_eq!(picture(true), picture(false));
+}
