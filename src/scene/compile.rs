@@ -288,18 +288,7 @@ fn check_indices(d: &SceneDescription) -> Result<(), SceneError> {
         }
     }
     for m in &d.materials {
-        let medium = m.medium.as_ref();
-        let refs = [
-            &m.base_color_texture,
-            &m.metallic_roughness_texture,
-            &m.normal_texture,
-            &m.emission_texture,
-            &m.transmission_texture,
-        ]
-        .into_iter()
-        .chain(medium.map(|x| &x.absorption_texture))
-        .chain(medium.map(|x| &x.scattering_texture));
-        for t in refs.flatten() {
+        for t in m.textures() {
             if t.texture >= d.textures.len() {
                 return bad(&m.pointer, "texture", t.texture);
             }
