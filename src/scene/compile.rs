@@ -51,6 +51,8 @@ pub struct Scene {
     pub lights: Lights,
     /// Where most of their light comes from.
     pub beacons: Vec<Beacon>,
+    /// Whether any medium refracts wavelengths differently.
+    pub has_dispersion: bool,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -94,6 +96,7 @@ impl Scene {
             .collect();
         let mut scene = Self {
             has_see_through: false,
+            has_dispersion: description.materials.iter().any(|m| m.dispersion() > 0.0),
             objects: vec![Object::default(); description.instances.len()],
             lights: Lights::build(
                 Vec::new(),
@@ -126,9 +129,10 @@ impl Scene {
         let aimable = concentrated || !scene.beacons.is_empty();
         for i in 0..scene.objects.len() {
             let rough = scene.boundary_is_rough(i as u32) && scene.is_covered(i as u32);
+            let bare = scene.has_bare_boundary(i as u32);
             let object = &mut scene.objects[i];
             let clear = rough || !scene.has_see_through;
-            object.aimable = aimable && clear && object.distance.is_some() && !object.lit_inside;
+            object.aimable = aimable && clear && bare && object.distance.is_some() && !object.lit_inside;
         }
         Ok(scene)
     }

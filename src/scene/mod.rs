@@ -8,6 +8,7 @@ mod camera;
 mod compile;
 pub mod description;
 mod emission;
+mod layering;
 pub mod layers;
 mod material;
 mod object;
