@@ -23,8 +23,7 @@ impl Extension for Iridescence {
         _: &Json<'_>,
         out: &mut MaterialDescription,
     ) -> Result<(), AssetError> {
-        let mut thickness =
-            |key, default| loader.factor(own, key, default, 0.0..=MAX_THICKNESS);
+        let mut thickness = |key, default| loader.factor(own, key, default, 0.0..=MAX_THICKNESS);
         let least = thickness("iridescenceThicknessMinimum", 100.0)?;
         let most = thickness("iridescenceThicknessMaximum", 400.0)?;
         let film = Film {

@@ -274,4 +274,6 @@ impl std::fmt::Debug for Registry {
 }
 
 #[cfg(test)]
+mod material_tests;
+#[cfg(test)]
 mod tests;

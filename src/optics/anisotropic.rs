@@ -43,7 +43,7 @@ impl Facets {
 
     /// The width that stands for both where only one can be.
     pub fn mean_width(&self) -> f32 {
-        (self.alpha.x * self.alpha.y).sqrt()
+        (0.5 * self.alpha.length_squared()).sqrt()
     }
 
     /// D(h) of a turned direction.

@@ -116,6 +116,11 @@ impl DielectricBoundary {
         self.eta
     }
 
+    #[inline]
+    pub(super) fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
     /// f·|cos θ_i| for radiance carried along `wo`; zero for a delta.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {

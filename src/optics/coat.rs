@@ -66,13 +66,11 @@ impl Coat {
         self.albedo_at(self.local(w).z)
     }
 
-    /// R_L at a cosine, and its average.
-    pub(super) fn residue(&self, mu: f32) -> (f32, f32) {
+    /// R at a cosine, of a base of which the share `lambertian` is Lambertian and the rest a metal of width `alpha`.
+    pub(super) fn residue(&self, mu: f32, lambertian: f32, alpha: f32) -> f32 {
         let (j, t) = top::slice(self.alpha, SLICES);
-        let (a, b) = (slice(j), slice(j + 1));
-        let r = top::mix(a.residue(mu), b.residue(mu), t);
-        let average = top::mix(a.residue_average(), b.residue_average(), t);
-        (self.factor * r, self.factor * average)
+        let of = |j: usize| slice(j).base_residue(mu, lambertian, alpha);
+        self.factor * top::mix(of(j), of(j + 1), t)
     }
 
     /// Whether it reflects in one direction only.

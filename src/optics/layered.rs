@@ -12,28 +12,37 @@
 //! it has crossed; what they hold back, they throw back inside: mirrored where the boundary is smooth, else diffusely.
 
 use super::coat::Coat;
-use super::fresnel;
-use super::metallic_roughness::Surface;
+use super::metallic_roughness::{Surface, SurfaceParameters};
 use super::reflectance::NODES;
 use super::sheen::Sheen;
 use super::substrate::Substrate;
-use super::top::spread_of;
 use super::treated::TreatedBoundary;
 use super::{BsdfSample, DielectricBoundary, warp};
+use super::{fresnel, ggx};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// What lies below the layers.
 #[derive(Clone, Copy, Debug)]
 pub enum Base {
-    /// A plain opaque surface or thin wall; how widely it spreads light, and its colour.
-    Surface(Surface, f32, Vec3),
+    /// A plain opaque surface or thin wall, and how it spreads light.
+    Surface(Surface, Spread),
     /// Any other opaque surface or thin wall.
     Substrate(Substrate),
     /// The bare boundary of a medium, and the tint of a crossing.
     Boundary(DielectricBoundary, Vec3),
     /// A boundary with treated facets, and the tint of a crossing.
     Treated(TreatedBoundary, Vec3),
+}
+
+/// How a base spreads the light that it reflects.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spread {
+    /// Share that is Lambertian; the rest comes from facets of width `alpha`.
+    pub(super) lambertian: f32,
+    pub(super) alpha: f32,
+    /// Mean colour.
+    pub(super) color: Vec3,
 }
 
 /// Layers on a base.
@@ -48,6 +57,7 @@ pub struct Layered {
     coat_normal: Option<Vec3>,
     tangent: Option<Vec3>,
     back: Back,
+    spread: Spread,
 }
 
 /// The lobes that return what the layers hold back.
@@ -115,27 +125,45 @@ impl Base {
         }
     }
 
-    /// How widely reflected light is spread, and its mean colour.
-    fn spread(&self) -> (f32, Vec3) {
+    /// Index inside over outside and width of the facets of a boundary.
+    fn refraction(&self) -> Option<(f32, f32)> {
         match self {
-            Self::Surface(_, spread, color) => (*spread, *color),
+            Self::Boundary(b, _) => Some((b.eta(), b.alpha())),
+            Self::Treated(t, _) => Some((t.eta(), t.alpha())),
+            _ => None,
+        }
+    }
+
+    fn spread(&self) -> Spread {
+        match self {
+            Self::Surface(_, spread) => *spread,
             Self::Substrate(s) => s.spread(),
-            _ => (0.0, Vec3::ZERO),
+            _ => Spread::default(),
         }
     }
 }
 
 impl Base {
-    /// A plain surface, given the parameters that say how it spreads light.
-    pub fn surface(surface: Surface, metallic: f32, alpha: f32, color: Vec3) -> Self {
-        Self::Surface(surface, metallic * spread_of(alpha) + (1.0 - metallic), color)
+    /// A plain surface.
+    pub fn surface(p: &SurfaceParameters) -> Self {
+        let lambertian = (1.0 - p.metallic) * (1.0 - p.transmission);
+        Self::Surface(Surface::new(p), Spread { lambertian, alpha: p.alpha, color: p.base_color })
     }
 }
 
 impl Layered {
     /// Layers on `base`; `rest` is the opaque remainder of a boundary, with the boundary's share.
     pub fn new(coat: Option<Coat>, sheen: Option<Sheen>, base: Base, rest: Option<(Base, f32)>) -> Self {
-        let mut layered = Self { coat, sheen, base, rest, coat_normal: None, tangent: None, back: Back::default() };
+        let mut layered = Self {
+            coat,
+            sheen,
+            base,
+            rest,
+            coat_normal: None,
+            tangent: None,
+            back: Back::default(),
+            spread: Spread::default(),
+        };
         if coat.is_some() || sheen.is_some() {
             layered.back = layered.returned();
         }
@@ -176,20 +204,22 @@ impl Layered {
         }
     }
 
-    fn returned(&self) -> Back {
+    fn returned(&mut self) -> Back {
         let mut back = Back::default();
-        let mean = |f: &dyn Fn(f32) -> f32| -> f32 { NODES.iter().map(|&(mu, w)| 2.0 * mu * w * f(mu)).sum() };
+        let mean =
+            |f: &dyn Fn(f32) -> f32| -> f32 { NODES.iter().map(|&(mu, w)| 2.0 * mu * w * f(mu)).sum() };
         let (base, share) = match &self.rest {
             Some((rest, share)) => (rest, 1.0 - share),
             None => (&self.base, 1.0),
         };
-        let (spread, color) = base.spread();
-        let average = self.residue(1.0).1;
-        if spread > 0.0 && average > 0.0 {
+        self.spread = base.spread();
+        let color = self.spread.color;
+        let average = if color == Vec3::ZERO { 0.0 } else { mean(&|mu| self.residue(mu)) };
+        if average > 1e-5 {
             let held = mean(&|mu| self.top_albedo(mu));
             // Thrown back to the base again and again.
             let again = color * (1.0 - held) / (Vec3::ONE - color * held).max(Vec3::splat(1e-6));
-            back.above = color * again * (share * spread);
+            back.above = color * again * share;
             back.above_norm = 1.0 / average;
         }
         if let Some((_, tint)) = self.base.boundary().filter(|_| !self.base.is_delta()) {
@@ -202,11 +232,23 @@ impl Layered {
         back
     }
 
-    /// What the layers hold back of light that a rough boundary lets out, by the cosine inside.
+    /// What the layers hold back of light that a rough boundary lets out, by the cosine inside: over a few visible normals.
     fn held_below(&self, mu: f32) -> f32 {
-        let Some((eta, _)) = self.base.boundary() else { return 0.0 };
-        let fresnel::Interface { reflectance, g } = fresnel::interface(mu, 1.0 / eta);
-        if g <= 0.0 { 0.0 } else { (1.0 - reflectance) * self.top_albedo((g * eta).min(1.0)) }
+        const STEPS: usize = 3;
+        let Some((eta, alpha)) = self.base.refraction() else { return 0.0 };
+        let o = Vec3::new(((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt(), 0.0, mu);
+        let mut sum = 0.0;
+        for k in 0..STEPS * STEPS {
+            let u = Vec2::new((k % STEPS) as f32 + 0.5, (k / STEPS) as f32 + 0.5) / STEPS as f32;
+            let h = ggx::sample_visible(o, alpha, u);
+            let c = o.dot(h).clamp(0.0, 1.0);
+            let fresnel::Interface { reflectance, g } = fresnel::interface(c, 1.0 / eta);
+            if g > 0.0 {
+                let out = -fresnel::refract_with(o, h, c, g, 1.0 / eta).z;
+                sum += (1.0 - reflectance) * self.top_albedo(out.clamp(0.0, 1.0));
+            }
+        }
+        sum / (STEPS * STEPS) as f32
     }
 
     /// E at a cosine, whatever the coat's own normal.
@@ -227,11 +269,11 @@ impl Layered {
         (c, c + (1.0 - c) * s)
     }
 
-    /// R_L of all layers at a cosine, and its average.
-    fn residue(&self, mu: f32) -> (f32, f32) {
-        let add = |a: (f32, f32), b: (f32, f32)| (a.0 + b.0, a.1 + b.1);
-        let coat = self.coat.as_ref().map_or((0.0, 0.0), |c| c.residue(mu));
-        add(coat, self.sheen.as_ref().map_or((0.0, 0.0), |s| s.residue(mu)))
+    /// R of all layers at a cosine.
+    fn residue(&self, mu: f32) -> f32 {
+        let Spread { lambertian, alpha, .. } = self.spread;
+        let coat = self.coat.as_ref().map_or(0.0, |c| c.residue(mu, lambertian, alpha));
+        coat + self.sheen.as_ref().map_or(0.0, |s| s.residue(mu, lambertian, alpha))
     }
 
     fn has_layer_towards(&self, w: Vec3) -> bool {
@@ -243,7 +285,7 @@ impl Layered {
         let mean = |c: Vec3| c.element_sum() * (1.0 / 3.0);
         let layers = self.has_layer_towards(wo);
         let back = if layers {
-            mean(self.back.above) * self.residue(wo.z.abs()).0
+            mean(self.back.above) * self.residue(wo.z.abs())
         } else {
             mean(self.back.below) * self.held_below(-wo.z)
         };
@@ -300,7 +342,7 @@ impl Layered {
             pdf += parts.sheen / TAU;
         }
         if self.back.above != Vec3::ZERO {
-            let returned = self.residue(o.z).0 * self.residue(i.z).0 * self.back.above_norm;
+            let returned = self.residue(o.z) * self.residue(i.z) * self.back.above_norm;
             f += self.back.above * (returned * lambert);
         }
         (f, pdf)

@@ -86,10 +86,10 @@ impl Sheen {
         self.color.max_element() * self.table(|t| t.albedo(mu))
     }
 
-    /// R_L at a cosine, and its average, of the strongest channel.
-    pub(super) fn residue(&self, mu: f32) -> (f32, f32) {
-        let strongest = self.color.max_element();
-        (strongest * self.table(|t| t.residue(mu)), strongest * self.table(TopTable::residue_average))
+    /// R at a cosine, of the strongest channel, on a base of which the share `lambertian` is Lambertian and the rest a metal
+    /// of width `alpha`.
+    pub(super) fn residue(&self, mu: f32, lambertian: f32, alpha: f32) -> f32 {
+        self.color.max_element() * self.table(|t| t.base_residue(mu, lambertian, alpha))
     }
 
     /// f·cos θ_i, both directions above the surface.

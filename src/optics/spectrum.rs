@@ -136,9 +136,14 @@ mod tests {
     /// Names of colours: blue, green and red light are what they are called.
     #[test]
     fn colours_are_in_order() {
-        let strongest = |nm: f32| rec709(nm).to_array().iter().enumerate().fold((0, f32::MIN), |best, (i, &v)| {
-            if v > best.1 { (i, v) } else { best }
-        }).0;
+        let strongest = |nm: f32| {
+            rec709(nm)
+                .to_array()
+                .iter()
+                .enumerate()
+                .fold((0, f32::MIN), |best, (i, &v)| if v > best.1 { (i, v) } else { best })
+                .0
+        };
         assert_eq!([strongest(450.0), strongest(535.0), strongest(630.0)], [2, 1, 0]);
     }
 }

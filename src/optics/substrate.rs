@@ -17,6 +17,7 @@ use super::anisotropic::Facets;
 use super::boundary::Microfacet;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
 use super::fresnel::f0_from_eta;
+use super::layered::Spread;
 use super::metallic_roughness::SurfaceParameters;
 use super::reflectance::{NODES, Reflectance};
 use super::reflection_tables::{Directional, Reflection};
@@ -140,13 +141,14 @@ impl Substrate {
         self.is_smooth() && (self.i.metallic >= 1.0 || lambertian == Vec3::ZERO)
     }
 
-    /// How widely reflected light is spread: 0 as by a mirror, 1 as by chalk; and its mean colour.
-    pub(super) fn spread(&self) -> (f32, Vec3) {
-        let m = self.i.metallic;
-        let metal = super::top::spread_of(self.i.facets.mean_width());
-        let color = m * self.i.metal.average() + (1.0 - m) * (self.i.diffuse + self.i.dielectric.average());
-        let opaque = if self.i.diffuse.max_element() > 0.0 { 1.0 } else { metal };
-        (m * metal + (1.0 - m) * opaque, color.min(Vec3::ONE))
+    /// How it spreads the light that it reflects.
+    pub(super) fn spread(&self) -> Spread {
+        let dielectric = 1.0 - self.i.metallic;
+        let opaque = self.i.diffuse + self.i.through;
+        let color =
+            self.i.metallic * self.i.metal.average() + dielectric * (opaque + self.i.dielectric.average());
+        let lambertian = dielectric * opaque.max_element().min(1.0);
+        Spread { lambertian, alpha: self.i.facets.mean_width(), color: color.min(Vec3::ONE) }
     }
 
     fn coat_albedo(&self, d: Directional) -> f32 {
@@ -229,11 +231,8 @@ impl Substrate {
         let visible = 0.5 * facets.distribution(h) * facets.masking_over_two_cos(o);
         let single = visible * facets.masking(i);
         let average = self.reflection.lost_average;
-        let again = if self.multiple() && average > 0.0 {
-            d.lost * di.lost * i.z * FRAC_1_PI / average
-        } else {
-            0.0
-        };
+        let again =
+            if self.multiple() && average > 0.0 { d.lost * di.lost * i.z * FRAC_1_PI / average } else { 0.0 };
         pdf += chosen * ((1.0 - choice.again) * visible + choice.again * i.z * FRAC_1_PI);
         let coat = self.i.dielectric.at(c);
         f += if below {

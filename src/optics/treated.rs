@@ -82,6 +82,11 @@ impl TreatedBoundary {
         self.eta
     }
 
+    /// The width that stands for those of its facets.
+    pub(super) fn alpha(&self) -> f32 {
+        self.facets.mean_width()
+    }
+
     /// Whether every sample is a delta.
     pub fn is_delta(&self) -> bool {
         self.facets.alpha.max_element() < MIN_ROUGH_ALPHA || (self.eta - 1.0).abs() <= MATCHED_INDEX
@@ -134,8 +139,7 @@ impl TreatedBoundary {
         let (here, lost) = self.lost(outside, o.z);
         let (single, density) =
             if i.z > 0.0 { self.reflected(o, i, outside) } else { self.refracted(o, i, outside, eta) };
-        let again =
-            self.compensation.as_ref().map_or(0.0, |(c, _)| lost_energy(c, here, o.z, i.z));
+        let again = self.compensation.as_ref().map_or(0.0, |(c, _)| lost_energy(c, here, o.z, i.z));
         let f = single + Vec3::splat(again);
         let pdf = (1.0 - lost) * density + again;
         (if i.z > 0.0 { f } else { self.crossing_weight(wo) * f }, pdf)

@@ -48,7 +48,7 @@ fn rough_treated_boundaries_conserve_energy() {
                 let e = hemisphere(cos.signum(), 200, |wi| t.eval_pdf(wo, wi).0.x)
                     + scale * hemisphere(-cos.signum(), 200, |wi| t.eval_pdf(wo, wi).0.x);
                 worst = worst.max((e - 1.0).abs());
-                assert!((e - 1.0).abs() < 0.03, "alpha {alpha}, cos {cos}: {e}");
+                assert!((e - 1.0).abs() < 0.05, "alpha {alpha}, cos {cos}: {e}");
                 let mut rng = Rng::new(9);
                 for _ in 0..100 {
                     let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
@@ -59,7 +59,8 @@ fn rough_treated_boundaries_conserve_energy() {
                 }
             }
             let wo = direction(0.9, 1.0);
-            let z = chi_square(2, 30_000, |wi| t.eval_pdf(wo, wi).1, |rng| t.sample(wo, rng.next(), rng.vec2()));
+            let z =
+                chi_square(2, 30_000, |wi| t.eval_pdf(wo, wi).1, |rng| t.sample(wo, rng.next(), rng.vec2()));
             assert!(z < 4.0, "z = {z}");
         }
     }

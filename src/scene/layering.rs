@@ -6,7 +6,7 @@ use super::material::Shading;
 use super::{Scene, Surface, TextureRef};
 use crate::optics::{
     Base, Coat, DielectricBoundary, Facets, Layered, Microfacet, Mixed, Sheen as Fibres, Substrate,
-    SubstrateParameters, Surface as Opaque, ThinFilm, TreatedBoundary,
+    SubstrateParameters, ThinFilm, TreatedBoundary,
 };
 use glam::{Vec2, Vec3, Vec4};
 
@@ -88,9 +88,7 @@ impl Shading<'_> {
         let coat = l.coat.map(|(factor, alpha, _)| Coat::new(factor, alpha));
         let sheen = l.sheen.filter(|s| s.0 != Vec3::ZERO).map(|(color, r)| Fibres::new(color, r));
         let (base, rest) = if boundary { self.boundary(&l, eta, microfacet) } else { (None, None) };
-        let base = base.unwrap_or_else(|| {
-            self.opaque(&l, self.metallic, self.transmission, eta, microfacet)
-        });
+        let base = base.unwrap_or_else(|| self.opaque(&l, self.metallic, self.transmission, eta, microfacet));
         let rest = rest.map(|(metallic, share)| (self.opaque(&l, metallic, 0.0, eta, microfacet), share));
         let layered = Layered::new(coat, sheen, base, rest);
         let layered = match l.anisotropy {
@@ -113,12 +111,7 @@ impl Shading<'_> {
     }
 
     /// The boundary, if there is one, with the metallic parameter of the opaque rest and the boundary's share.
-    fn boundary(
-        &self,
-        l: &Layering,
-        eta: f32,
-        microfacet: Microfacet,
-    ) -> (Option<Base>, Option<(f32, f32)>) {
+    fn boundary(&self, l: &Layering, eta: f32, microfacet: Microfacet) -> (Option<Base>, Option<(f32, f32)>) {
         let (share, metallic) = Mixed::division(self.metallic, self.transmission);
         if share <= 0.0 {
             return (None, None);
@@ -149,7 +142,7 @@ impl Shading<'_> {
         let plain = self.parameters(metallic, transmission, microfacet);
         let brushed = l.anisotropy.is_some_and(|a| a.0 > 0.0);
         if !brushed && l.film.is_none() && l.diffuse_transmission.0 == 0.0 && l.scatter.0 == 0.0 {
-            return Base::surface(Opaque::new(&plain), metallic, self.alpha, self.base_color);
+            return Base::surface(&plain);
         }
         Base::Substrate(Substrate::new(&SubstrateParameters {
             plain,

@@ -110,9 +110,10 @@ pub struct ThinScatter {
 impl Layers {
     /// Every place that refers to a texture.
     pub fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
-        let coat = self.clearcoat.iter_mut().flat_map(|c| {
-            [&mut c.texture, &mut c.roughness_texture, &mut c.normal_texture]
-        });
+        let coat = self
+            .clearcoat
+            .iter_mut()
+            .flat_map(|c| [&mut c.texture, &mut c.roughness_texture, &mut c.normal_texture]);
         let sheen = self.sheen.iter_mut().flat_map(|s| [&mut s.color_texture, &mut s.roughness_texture]);
         let anisotropy = self.anisotropy.iter_mut().map(|a| &mut a.texture);
         let film = self.iridescence.iter_mut().flat_map(|i| [&mut i.texture, &mut i.thickness_texture]);
@@ -138,8 +139,7 @@ impl Layers {
 
     /// Every texture in use.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
-        let coat =
-            self.clearcoat.iter().flat_map(|c| [&c.texture, &c.roughness_texture, &c.normal_texture]);
+        let coat = self.clearcoat.iter().flat_map(|c| [&c.texture, &c.roughness_texture, &c.normal_texture]);
         let sheen = self.sheen.iter().flat_map(|s| [&s.color_texture, &s.roughness_texture]);
         let anisotropy = self.anisotropy.iter().map(|a| &a.texture);
         let film = self.iridescence.iter().flat_map(|i| [&i.texture, &i.thickness_texture]);

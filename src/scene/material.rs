@@ -128,7 +128,12 @@ impl Shading<'_> {
         self.specular != 1.0 || self.specular_color != Vec3::ONE
     }
 
-    pub(super) fn parameters(&self, metallic: f32, transmission: f32, microfacet: Microfacet) -> SurfaceParameters {
+    pub(super) fn parameters(
+        &self,
+        metallic: f32,
+        transmission: f32,
+        microfacet: Microfacet,
+    ) -> SurfaceParameters {
         SurfaceParameters {
             base_color: self.base_color,
             metallic,

@@ -46,7 +46,8 @@ impl PathTracer<'_> {
         }
         // Rough boundaries need tables for each index.
         let m = self.scene.material(enclosure.material);
-        let rough = m.roughness * m.roughness >= MIN_ROUGH_ALPHA || m.layers.as_ref().is_some_and(|l| l.anisotropy.is_some());
+        let rough = m.roughness * m.roughness >= MIN_ROUGH_ALPHA
+            || m.layers.as_ref().is_some_and(|l| l.anisotropy.is_some());
         let u = sampler.rng().f32();
         let (nm, weight) = if rough { spectrum::draw_stratum(u) } else { spectrum::draw(u) };
         path.wavelength = Some(nm);

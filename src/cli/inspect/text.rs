@@ -57,9 +57,12 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
     if !summary.variants.is_empty() {
         line(out, "variants", &names(summary.variants.iter().map(String::as_str)))?;
     }
-    let layered: Vec<String> = summary.materials.iter().filter(|m| !m.layers.is_empty()).map(|m| {
-        format!("{:?} with {}", m.name, m.layers.join(", "))
-    }).collect();
+    let layered: Vec<String> = summary
+        .materials
+        .iter()
+        .filter(|m| !m.layers.is_empty())
+        .map(|m| format!("{:?} with {}", m.name, m.layers.join(", ")))
+        .collect();
     if !layered.is_empty() {
         line(out, "layers", &names(layered.iter().map(String::as_str)))?;
     }
