@@ -234,7 +234,7 @@ impl Layered {
 
     /// What the layers hold back of light that a rough boundary lets out, by the cosine inside: over a few visible normals.
     fn held_below(&self, mu: f32) -> f32 {
-        const STEPS: usize = 3;
+        const STEPS: usize = 4;
         let Some((eta, alpha)) = self.base.refraction() else { return 0.0 };
         let o = Vec3::new(((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt(), 0.0, mu);
         let mut sum = 0.0;
@@ -244,8 +244,11 @@ impl Layered {
             let c = o.dot(h).clamp(0.0, 1.0);
             let fresnel::Interface { reflectance, g } = fresnel::interface(c, 1.0 / eta);
             if g > 0.0 {
-                let out = -fresnel::refract_with(o, h, c, g, 1.0 / eta).z;
-                sum += (1.0 - reflectance) * self.top_albedo(out.clamp(0.0, 1.0));
+                let out = fresnel::refract_with(o, h, c, g, 1.0 / eta);
+                if out.z < 0.0 {
+                    let passed = (1.0 - reflectance) * ggx::masking(out, alpha);
+                    sum += passed * self.top_albedo((-out.z).min(1.0));
+                }
             }
         }
         sum / (STEPS * STEPS) as f32

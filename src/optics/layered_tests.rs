@@ -42,12 +42,10 @@ fn white() -> Vec<(String, Layered, f32, f32)> {
         for c in [0.0f32, 0.3, 1.0] {
             for (metallic, t) in [(0.0f32, 0.0f32), (1.0, 0.0), (0.0, 1.0), (0.3, 0.3)] {
                 let base = surface(plain(metallic, a, t));
-                // A coat's residue below a thin wall's transmission is left out.
-                let error = if t > 0.0 { 0.035 } else { 0.01 };
                 add(
                     format!("coat {c} on {metallic} {a} {t}"),
                     Layered::new(coat(c), None, base, None),
-                    error,
+                    0.01,
                     1.0,
                 );
             }
@@ -56,7 +54,7 @@ fn white() -> Vec<(String, Layered, f32, f32)> {
         }
         for r in [0.2f32, 0.5, 1.0] {
             let base = surface(plain(0.0, a, 0.0));
-            add(format!("sheen {r} on {a}"), Layered::new(None, fibres(r), base, None), 0.02, 1.0);
+            add(format!("sheen {r} on {a}"), Layered::new(None, fibres(r), base, None), 0.01, 1.0);
         }
         let mut p = substrate(plain(0.0, a, 0.0));
         p.diffuse_transmission = (0.4, Vec3::ONE);
@@ -71,7 +69,7 @@ fn white() -> Vec<(String, Layered, f32, f32)> {
             p.facets.alpha.x = a + (1.0 - a) * 0.36;
             p.facets.tangent = Vec2::new(0.6, 0.8);
             let base = Base::Substrate(Substrate::new(&p));
-            add(format!("brushed {metallic} {a}"), Layered::new(None, None, base, None), 0.03, 1.0);
+            add(format!("brushed {metallic} {a}"), Layered::new(None, None, base, None), 0.015, 1.0);
         }
     }
     all
