@@ -11,39 +11,14 @@
 //! Opaque surfaces and thin walls have their layers on both sides. On a boundary, light from inside meets the layers after
 //! it has crossed; what they hold back, they throw back inside: mirrored where the boundary is smooth, else diffusely.
 
+use super::base::{Base, Spread};
 use super::coat::Coat;
-use super::metallic_roughness::{Surface, SurfaceParameters};
 use super::reflectance::NODES;
 use super::sheen::Sheen;
-use super::substrate::Substrate;
-use super::treated::TreatedBoundary;
-use super::{BsdfSample, DielectricBoundary, warp};
+use super::{BsdfSample, warp};
 use super::{fresnel, ggx};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
-
-/// What lies below the layers.
-#[derive(Clone, Copy, Debug)]
-pub enum Base {
-    /// A plain opaque surface or thin wall, and how it spreads light.
-    Surface(Surface, Spread),
-    /// Any other opaque surface or thin wall.
-    Substrate(Substrate),
-    /// The bare boundary of a medium, and the tint of a crossing.
-    Boundary(DielectricBoundary, Vec3),
-    /// A boundary with treated facets, and the tint of a crossing.
-    Treated(TreatedBoundary, Vec3),
-}
-
-/// How a base spreads the light that it reflects.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Spread {
-    /// Share that is Lambertian; the rest comes from facets of width `alpha`.
-    pub(super) lambertian: f32,
-    pub(super) alpha: f32,
-    /// Mean colour.
-    pub(super) color: Vec3,
-}
 
 /// Layers on a base.
 #[derive(Clone, Debug)]
@@ -78,77 +53,6 @@ struct Parts {
     sheen: f32,
     back: f32,
     base: f32,
-}
-
-impl Base {
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        match self {
-            Self::Surface(s, ..) => s.eval_pdf(wo, wi),
-            Self::Substrate(s) => s.eval_pdf(wo, wi),
-            Self::Boundary(b, _) => b.eval_pdf(wo, wi),
-            Self::Treated(t, _) => t.eval_pdf(wo, wi),
-        }
-    }
-
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        match self {
-            Self::Surface(s, ..) => s.sample(wo, u_lobe, u),
-            Self::Substrate(s) => s.sample(wo, u_lobe, u),
-            Self::Boundary(b, _) => b.sample(wo, u_lobe, u),
-            Self::Treated(t, _) => t.sample(wo, u_lobe, u),
-        }
-    }
-
-    fn is_delta(&self) -> bool {
-        match self {
-            Self::Surface(s, ..) => s.is_delta(),
-            Self::Substrate(s) => s.is_delta(),
-            Self::Boundary(b, _) => b.is_delta(),
-            Self::Treated(t, _) => t.is_delta(),
-        }
-    }
-
-    fn set_tangent(&mut self, tangent: Vec2) {
-        match self {
-            Self::Substrate(s) => s.set_tangent(tangent),
-            Self::Treated(t, _) => t.set_tangent(tangent),
-            Self::Surface(..) | Self::Boundary(..) => {}
-        }
-    }
-
-    /// Index inside over outside and tint of a boundary.
-    fn boundary(&self) -> Option<(f32, Vec3)> {
-        match self {
-            Self::Boundary(b, tint) => Some((b.eta(), *tint)),
-            Self::Treated(t, tint) => Some((t.eta(), *tint)),
-            _ => None,
-        }
-    }
-
-    /// Index inside over outside and width of the facets of a boundary.
-    fn refraction(&self) -> Option<(f32, f32)> {
-        match self {
-            Self::Boundary(b, _) => Some((b.eta(), b.alpha())),
-            Self::Treated(t, _) => Some((t.eta(), t.alpha())),
-            _ => None,
-        }
-    }
-
-    fn spread(&self) -> Spread {
-        match self {
-            Self::Surface(_, spread) => *spread,
-            Self::Substrate(s) => s.spread(),
-            _ => Spread::default(),
-        }
-    }
-}
-
-impl Base {
-    /// A plain surface.
-    pub fn surface(p: &SurfaceParameters) -> Self {
-        let lambertian = (1.0 - p.metallic) * (1.0 - p.transmission);
-        Self::Surface(Surface::new(p), Spread { lambertian, alpha: p.alpha, color: p.base_color })
-    }
 }
 
 impl Layered {

@@ -1,9 +1,11 @@
+use super::super::DielectricBoundary;
 use super::super::anisotropic::Facets;
 use super::super::boundary::Microfacet;
 use super::super::metallic_roughness::SurfaceParameters;
-use super::super::substrate::SubstrateParameters;
+use super::super::substrate::{Substrate, SubstrateParameters};
 use super::super::test_support::{Rng, chi_square, direction, hemisphere};
 use super::super::thin_film::ThinFilm;
+use super::super::treated::TreatedBoundary;
 use super::*;
 
 fn plain(metallic: f32, alpha: f32, transmission: f32) -> SurfaceParameters {

@@ -8,6 +8,7 @@
 
 pub mod albedo;
 mod anisotropic;
+mod base;
 pub mod boundary;
 pub mod boundary_tables;
 pub mod bsdf;
@@ -38,13 +39,14 @@ mod treated;
 mod warp;
 
 pub use anisotropic::Facets;
+pub use base::Base;
 pub use boundary::{DielectricBoundary, Microfacet};
 pub use boundary_tables::BoundaryTables;
 pub use bsdf::{Bsdf, Mixed};
 pub use coat::Coat;
 pub use exit_lobe::{DiffuseExit, ExitLobe};
 use glam::Vec3;
-pub use layered::{Base, Layered};
+pub use layered::Layered;
 pub use medium::Medium;
 pub use metallic_roughness::{Surface, SurfaceParameters};
 pub use phase::HenyeyGreenstein;

@@ -14,10 +14,10 @@
 //! reflects the rest: radiance of equal étendue is exchanged.
 
 use super::anisotropic::Facets;
+use super::base::Spread;
 use super::boundary::Microfacet;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
 use super::fresnel::f0_from_eta;
-use super::layered::Spread;
 use super::metallic_roughness::SurfaceParameters;
 use super::reflectance::{NODES, Reflectance};
 use super::reflection_tables::{Directional, Reflection};

@@ -1,5 +1,5 @@
 //! Dispersion: a path draws one wavelength where a dispersive boundary first refracts it ([`crate::optics::spectrum`]), and
-//! keeps it. What a smooth boundary reflects goes the same way for all wavelengths, so it keeps the path's three colours.
+//! keeps it. In media that scatter it would be forgotten anyway, so there all refract alike. What a smooth boundary reflects goes the same way for all wavelengths, so it keeps the path's three colours.
 
 use super::media::{Crossing, Enclosure};
 use super::path::PathTracer;
@@ -32,8 +32,11 @@ impl PathTracer<'_> {
         let Crossing::Interface { outside } = path.stack.crossing(enclosure, front) else { return None };
         let inside = if front { Some(enclosure) } else { path.stack.current() };
         let side = |e: Option<Enclosure>| {
-            let index = e.and_then(|e| self.scene.medium(e.material)).map_or(1.0, |m| m.ior);
-            (index, e.map_or(0.0, |e| self.scene.material(e.material).dispersion()))
+            let medium = e.and_then(|e| self.scene.medium(e.material));
+            let clear = medium.is_some_and(|m| m.sigma_s.max_element() <= 0.0);
+            let dispersion =
+                e.filter(|_| clear).map_or(0.0, |e| self.scene.material(e.material).dispersion());
+            (medium.map_or(1.0, |m| m.ior), dispersion)
         };
         let sides = [side(inside), side(outside)];
         if sides[0].1 == 0.0 && sides[1].1 == 0.0 {
