@@ -42,6 +42,8 @@ pub struct Loader<'a> {
     pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
     pub(crate) totals: Totals,
+    /// The variant of KHR_materials_variants that is shown, if one was chosen.
+    pub(crate) chosen_variant: Option<usize>,
     /// The scene as far as it has been read.
     pub scene: SceneDescription,
     diagnostics: Vec<Diagnostic>,
@@ -77,6 +79,7 @@ impl<'a> Loader<'a> {
             declared: HashSet::new(),
             bounds: HashMap::new(),
             totals: Totals::default(),
+            chosen_variant: None,
             scene: SceneDescription::default(),
             diagnostics: Vec::new(),
             told: HashSet::new(),

@@ -12,7 +12,7 @@ use super::loader::Loader;
 use super::pose::Pose;
 use super::primitive::Primitive;
 use super::tangent;
-use crate::scene::MeshDescription;
+use crate::scene::{MaterialDescription, MeshDescription};
 
 /// Coordinates beyond this overflow single precision once they are squared, and squared again.
 pub(crate) const FARTHEST: f64 = 1e9;
@@ -51,9 +51,9 @@ impl Loader<'_> {
         } else {
             let materials = &self.scene.materials;
             for primitive in &mut primitives {
-                let normal_map = materials.get(primitive.material as usize).and_then(|m| m.normal_texture);
-                match normal_map {
-                    Some(map) => tangent::complete(primitive, map.uv_set),
+                let material = materials.get(primitive.material as usize);
+                match material.and_then(MaterialDescription::tangent_uv_set) {
+                    Some(uv_set) => tangent::complete(primitive, uv_set),
                     None => primitive.tangents.clear(),
                 }
             }

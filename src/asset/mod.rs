@@ -58,6 +58,8 @@ use crate::scene::SceneDescription;
 pub struct LoadOptions {
     /// Index of the scene to show; by default the file's own choice, else its first.
     pub scene: Option<usize>,
+    /// Name or index of the variant of KHR_materials_variants to show; by default what each primitive itself says.
+    pub variant: Option<String>,
     /// Whether violations of the format that could be lived with are errors.
     pub strict: bool,
     /// How much a file may ask for.
@@ -192,6 +194,10 @@ impl<'a> Loader<'a> {
                     extension.document(self, &own)?;
                 }
             }
+        }
+        if let Some(wanted) = self.options.variant.as_ref().filter(|_| self.chosen_variant.is_none()) {
+            let message = format!("there is no variant {wanted:?}: the file has no KHR_materials_variants");
+            return Err(AssetError::invalid("/extensions", message));
         }
         self.materials()?;
         let roots = match &scene {

@@ -125,7 +125,7 @@ impl Loader<'_> {
             return Err(AssetError::invalid(indices_pointer, message));
         }
         out.triangles = topology.triangles(&indices);
-        out.material = match json.usize("material")? {
+        out.material = match self.alternative(json)?.or(json.usize("material")?) {
             Some(index) => {
                 self.entry("materials", index, &json.pointer_to("material"))?;
                 u32::try_from(index).unwrap_or(NO_MATERIAL)
@@ -133,6 +133,19 @@ impl Loader<'_> {
             None => NO_MATERIAL,
         };
         Ok(Some(out))
+    }
+
+    /// The material that an extension puts in place of the primitive's own.
+    fn alternative(&mut self, json: &Json<'_>) -> Result<Option<usize>, AssetError> {
+        let mut chosen = None;
+        if json.get("extensions").is_some() {
+            for extension in self.options.registry.iter() {
+                if let Some(own) = json.extension(extension.name()) {
+                    chosen = extension.primitive_material(self, &own)?.or(chosen);
+                }
+            }
+        }
+        Ok(chosen)
     }
 
     fn decompressed(&mut self, json: &Json<'_>) -> Result<Option<DecodedPrimitive>, AssetError> {

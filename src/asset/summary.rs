@@ -27,6 +27,8 @@ pub struct Summary {
     pub instanced_triangles: usize,
     /// Meshes that the scene shows.
     pub meshes: Vec<MeshSummary>,
+    /// Names of the variants of the file (KHR_materials_variants).
+    pub variants: Vec<String>,
     /// All materials of the file.
     pub materials: Vec<MaterialSummary>,
     /// Images in use.
@@ -85,6 +87,8 @@ pub struct MaterialSummary {
     pub double_sided: bool,
     /// Not lit.
     pub unlit: bool,
+    /// What lies on it or shapes its lobes: `clearcoat`, `sheen`, …
+    pub layers: Vec<&'static str>,
     /// Number of textures it uses.
     pub textures: usize,
     /// What is inside.
@@ -181,6 +185,7 @@ impl Summary {
             triangles: scene.meshes.iter().map(|m| m.triangles.len()).sum(),
             instanced_triangles: meshes.iter().map(|m| m.triangles * m.instances).sum(),
             meshes,
+            variants: variants(document),
             materials: scene.materials.iter().map(material).collect(),
             images: images(scene),
             cameras: cameras(scene),
@@ -198,6 +203,11 @@ fn names(document: &Value, array: &str, kind: &str) -> Vec<String> {
         None => format!("{kind} {i}"),
     };
     entries.map(name).collect()
+}
+
+fn variants(document: &Value) -> Vec<String> {
+    let extension = document.pointer("/extensions/KHR_materials_variants");
+    extension.map_or_else(Vec::new, |own| names(own, "variants", "variant"))
 }
 
 fn meshes(scene: &SceneDescription) -> Vec<MeshSummary> {
@@ -265,6 +275,7 @@ fn material(m: &MaterialDescription) -> MaterialSummary {
         },
         double_sided: m.double_sided,
         unlit: m.unlit,
+        layers: m.layers.as_ref().map_or_else(Vec::new, |l| l.names()),
         textures: m.textures().count(),
         medium,
     }

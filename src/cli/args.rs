@@ -49,6 +49,10 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "N")]
     pub scene: Option<usize>,
 
+    /// Materials of a variant of the file (KHR_materials_variants) [default: what the file shows by itself]
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub variant: Option<String>,
+
     /// Light from all around: an equirectangular .hdr or .exr, the built-in studio, none, or one radiance; by default
     /// the studio if the file has no lights, else none
     #[arg(long, value_name = "FILE|studio|none|R,G,B", value_parser = environment)]

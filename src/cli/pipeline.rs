@@ -36,8 +36,14 @@ pub(super) fn models(cosines: Cosines) -> Registry {
 }
 
 /// Loads a glTF file.
-pub(super) fn load(path: &Path, scene: Option<usize>, strict: bool) -> Result<Loaded, Failure> {
-    let options = asset::LoadOptions { scene, strict, ..Default::default() };
+pub(super) fn load(
+    path: &Path,
+    scene: Option<usize>,
+    variant: Option<&str>,
+    strict: bool,
+) -> Result<Loaded, Failure> {
+    let variant = variant.map(str::to_owned);
+    let options = asset::LoadOptions { scene, variant, strict, ..Default::default() };
     asset::load(path, &options).map_err(|error| {
         let text = error.to_string();
         let shown = path.display().to_string();

@@ -51,7 +51,7 @@ impl Prepared {
     ) -> Result<Self, Failure> {
         let mut watch = Stopwatch::start();
         progress.phase(&format!("loading {}", file_name(&args.input)));
-        let loaded = pipeline::load(&args.input, args.scene, args.strict);
+        let loaded = pipeline::load(&args.input, args.scene, args.variant.as_deref(), args.strict);
         progress.clear();
         let loaded = loaded?;
         reporter.diagnostics(&loaded.diagnostics);
@@ -119,6 +119,9 @@ impl Prepared {
             GroundArg::None => {}
             GroundArg::Shadow => recorded["ground"] = json!("shadow"),
             GroundArg::Color(c) => recorded["ground"] = json!(c.to_array()),
+        }
+        if let Some(variant) = &args.variant {
+            recorded["variant"] = json!(variant);
         }
         if let Some(scene) = args.scene {
             recorded["scene"] = json!(scene);

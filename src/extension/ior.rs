@@ -5,7 +5,7 @@ use crate::asset::{AssetError, Json, Loader};
 use crate::scene::MaterialDescription;
 
 /// Stands for the special value 0, "reflects everything": 99.96 % at normal incidence.
-const MIRROR_IOR: f32 = 1e4;
+pub(super) const MIRROR_IOR: f32 = 1e4;
 
 pub(super) const NAME: &str = "KHR_materials_ior";
 

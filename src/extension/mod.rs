@@ -8,14 +8,21 @@
 //! A crate that uses nephrite adds its own with [`Registry::register`] and passes the registry in
 //! [`LoadOptions`](crate::asset::LoadOptions). An extension of the same name replaces the one that was there.
 
+mod anisotropy;
+mod clearcoat;
+mod diffuse_transmission;
+mod dispersion;
 mod emissive_strength;
 mod gpu_instancing;
 mod ior;
+mod iridescence;
 mod lights_punctual;
 mod mesh_quantization;
 mod node_visibility;
 mod scatter;
+mod sheen;
 mod specular;
+mod specular_glossiness;
 mod subsurface;
 mod texture_transform;
 mod transmission;
@@ -136,6 +143,19 @@ pub trait Extension: Send + Sync {
         Ok(None)
     }
 
+    /// The index of the material that a primitive should use instead of its `material`; `None` to leave it.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn primitive_material(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+    ) -> Result<Option<usize>, AssetError> {
+        let _ = (loader, own);
+        Ok(None)
+    }
+
     /// The transforms, relative to the node, of the several copies of a node's mesh; `None` for one plain copy.
     ///
     /// # Errors
@@ -193,14 +213,21 @@ impl Registry {
     /// The extensions of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::empty();
-        let table: [Box<dyn Extension>; 15] = [
+        let table: [Box<dyn Extension>; 22] = [
+            Box::new(anisotropy::Anisotropy),
+            Box::new(clearcoat::Clearcoat),
+            Box::new(diffuse_transmission::DiffuseTransmission),
+            Box::new(dispersion::Dispersion),
             Box::new(emissive_strength::EmissiveStrength),
             Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
+            Box::new(iridescence::Iridescence),
             Box::new(lights_punctual::LightsPunctual),
             Box::new(mesh_quantization::MeshQuantization),
             Box::new(node_visibility::NodeVisibility),
+            Box::new(sheen::Sheen),
             Box::new(specular::Specular),
+            Box::new(specular_glossiness::SpecularGlossiness),
             Box::new(texture_transform::TextureTransform),
             Box::new(transmission::Transmission),
             Box::new(unlit::Unlit),
@@ -246,5 +273,7 @@ impl std::fmt::Debug for Registry {
     }
 }
 
+#[cfg(test)]
+mod material_tests;
 #[cfg(test)]
 mod tests;

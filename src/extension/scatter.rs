@@ -4,14 +4,16 @@
 //! The attenuation of the volume is *total* extinction σt. The drafts state a multi-scatter albedo ρ, from which
 //! Kulla & Conty 2017 give the single-scattering albedo σs/σt ([`crate::optics::albedo`]); the older draft leaves the
 //! anisotropy g out of that step. Both are read in every spelling that is in use. The medium is already there when these hooks
-//! run; splitting its extinction anew is what makes the newer draft win over the older.
+//! run; splitting its extinction anew is what makes the newer draft win over the older. Without a volume, the newer draft
+//! scatters at the surface of a thin wall.
 
 use glam::Vec3;
 
 use super::{Extension, order};
 use crate::asset::{AssetError, Json, Loader};
 use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
-use crate::scene::MaterialDescription;
+use crate::scene::layers::ThinScatter;
+use crate::scene::{ColorSpace, MaterialDescription};
 
 /// Stands for the anisotropy ±1, which files have and at which scattering changes nothing.
 const MOST_ANISOTROPIC: f64 = 0.999;
@@ -28,7 +30,7 @@ impl Extension for Scatter {
     }
 
     fn shortfall(&self) -> Option<&str> {
-        Some("a draft; its textures and its thin-walled mode are ignored")
+        Some("a draft; its textures are ignored in volumes")
     }
 
     fn material(
@@ -44,7 +46,16 @@ impl Extension for Scatter {
             spelling(loader, own, &["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"])?;
         let color = Vec3::from(loader.factors(own, color, [1.0; 3], 0.0..=1.0)?);
         let g = anisotropy(loader, own)?;
-        if strength > 0.0 {
+        if strength > 0.0 && out.medium.is_none() && out.transmission > 0.0 {
+            let anisotropy = own.f64("scatterAnisotropy")?.unwrap_or(0.0).clamp(-1.0, 1.0) as f32;
+            out.layers_mut().thin_scatter = Some(ThinScatter {
+                strength,
+                strength_texture: loader.texture_slot(own, "scatterStrengthTexture", ColorSpace::Linear)?,
+                color,
+                color_texture: loader.texture_slot(own, "multiscatterColorTexture", ColorSpace::Srgb)?,
+                anisotropy,
+            });
+        } else if strength > 0.0 {
             split(loader, own, out, color * strength, g, g);
         }
         Ok(())

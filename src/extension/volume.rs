@@ -44,7 +44,7 @@ impl Extension for Volume {
             }
             None => f32::INFINITY,
         };
-        if thickness == 0.0 || out.transmission == 0.0 {
+        if thickness == 0.0 || !out.is_see_through() {
             return Ok(());
         }
         let sigma_a = Vec3::from(color).max(Vec3::splat(MIN_COLOR)).map(|c| -c.ln() / distance);
@@ -52,7 +52,8 @@ impl Extension for Volume {
             sigma_a: sigma_a.clamp(Vec3::ZERO, Vec3::splat(MAX_COEFFICIENT)),
             sigma_s: Vec3::ZERO,
             anisotropy: 0.0,
-            ior: out.ior,
+            // Diffuse transmission does not refract.
+            ior: if out.transmission > 0.0 { out.ior } else { 1.0 },
             priority: 0,
             absorption_texture: None,
             scattering_texture: None,

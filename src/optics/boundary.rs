@@ -116,6 +116,11 @@ impl DielectricBoundary {
         self.eta
     }
 
+    #[inline]
+    pub(super) fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
     /// f·|cos θ_i| for radiance carried along `wo`; zero for a delta.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
@@ -307,7 +312,7 @@ fn mirror(w: Vec3) -> Vec3 {
 /// Energy per steradian and unit cosine of arrival that compensation sends from cosine `o` on side `here` to the signed
 /// cosine `i` (negative: on the other side): eq. (6) times |cos θ_i|.
 #[inline]
-fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 {
+pub(super) fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 {
     let lost = compensation.loss(here, o);
     if lost <= 0.0 {
         return 0.0;
@@ -322,7 +327,7 @@ fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 
 }
 
 /// A direction of [`lost_energy`], given that the light was lost; z < 0 on the other side.
-fn sample_lost(compensation: &Compensation, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
+pub(super) fn sample_lost(compensation: &Compensation, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
     let transmitted = compensation.transmitted[here];
     let (there, sign, u) = if u < transmitted {
         (1 - here, -1.0, u / transmitted)

@@ -3,6 +3,7 @@
 
 use super::boundary::DielectricBoundary;
 use super::exit_lobe::{self, ExitLobe};
+use super::layered::Layered;
 use super::metallic_roughness::Surface;
 use super::{BsdfSample, warp};
 use glam::{Vec2, Vec3};
@@ -17,6 +18,8 @@ pub enum Bsdf {
     Surface(Surface),
     /// Part of the surface is a boundary, the rest is opaque.
     Mixed(Mixed),
+    /// Layers on a surface or boundary, or lobes of other shapes.
+    Layered(Box<Layered>),
     /// Where light of a BSSRDF leaves its object.
     Exit(Box<dyn ExitLobe>),
 }
@@ -34,6 +37,7 @@ impl Bsdf {
             Self::Boundary(b) => b.is_delta(),
             Self::Surface(s) => s.is_delta(),
             Self::Mixed(m) => m.boundary.is_delta() && m.surface.is_delta(),
+            Self::Layered(l) => l.is_delta(),
             Self::Exit(_) => false,
         }
     }
@@ -57,6 +61,7 @@ impl Bsdf {
             Self::Boundary(b) => b.eval_pdf(wo, wi),
             Self::Surface(s) => s.eval_pdf(wo, wi),
             Self::Mixed(m) => m.eval_pdf(wo, wi),
+            Self::Layered(l) => l.eval_pdf(wo, wi),
             Self::Exit(e) => exit_lobe::eval_pdf(&**e, wi),
         }
     }
@@ -68,6 +73,7 @@ impl Bsdf {
             Self::Boundary(b) => b.sample(wo, u_lobe, u),
             Self::Surface(s) => s.sample(wo, u_lobe, u),
             Self::Mixed(m) => m.sample(wo, u_lobe, u),
+            Self::Layered(l) => l.sample(wo, u_lobe, u),
             Self::Exit(e) => exit_lobe::sample(&**e, wo, u),
         }
     }

@@ -7,13 +7,17 @@
 //! (n_o/n_i)² ([`boundary`]). Random numbers are passed in. Nothing here knows scenes.
 
 pub mod albedo;
+mod anisotropic;
+mod base;
 pub mod boundary;
 pub mod boundary_tables;
 pub mod bsdf;
+mod coat;
 pub mod diffusion;
 mod exit_lobe;
 pub mod fresnel;
 pub mod ggx;
+mod layered;
 mod lobe;
 mod loss;
 pub mod medium;
@@ -22,19 +26,34 @@ pub mod metallic_roughness;
 mod microsurface_walk;
 pub mod phase;
 pub mod presets;
+mod reflectance;
 mod reflection_tables;
+mod sheen;
+pub mod spectrum;
+mod substrate;
 #[cfg(test)]
 mod test_support;
+mod thin_film;
+mod top;
+mod treated;
 mod warp;
 
+pub use anisotropic::Facets;
+pub use base::Base;
 pub use boundary::{DielectricBoundary, Microfacet};
 pub use boundary_tables::BoundaryTables;
 pub use bsdf::{Bsdf, Mixed};
+pub use coat::Coat;
 pub use exit_lobe::{DiffuseExit, ExitLobe};
 use glam::Vec3;
+pub use layered::Layered;
 pub use medium::Medium;
 pub use metallic_roughness::{Surface, SurfaceParameters};
 pub use phase::HenyeyGreenstein;
+pub use sheen::Sheen;
+pub use substrate::{Substrate, SubstrateParameters};
+pub use thin_film::ThinFilm;
+pub use treated::TreatedBoundary;
 
 /// A direction drawn from a BSDF, in the local frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

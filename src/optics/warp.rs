@@ -33,3 +33,18 @@ pub(super) fn scramble(u: Vec2, u_lobe: f32) -> f32 {
     x ^= x >> 33;
     (x >> 40) as f32 * (1.0 / 16_777_216.0)
 }
+
+/// Which of some probabilities (that add up to 1) `u` falls into, and `u` rescaled within it.
+#[inline]
+pub(super) fn choose<const N: usize>(probabilities: &[f32; N], u: f32) -> (usize, f32) {
+    let mut left = u;
+    let mut last = 0;
+    for (k, &p) in probabilities.iter().enumerate().filter(|(_, p)| **p > 0.0) {
+        last = k;
+        if left < p {
+            return (k, clamp_unit(left / p));
+        }
+        left -= p;
+    }
+    (last, ONE_MINUS_EPSILON)
+}

@@ -54,6 +54,8 @@ pub struct Scene {
     pub beacons: Vec<Beacon>,
     /// For each texture whose look-ups may be averaged.
     pub(super) pyramids: Vec<Option<(ColorSpace, Pyramid)>>,
+    /// Whether any medium refracts wavelengths differently.
+    pub has_dispersion: bool,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -97,6 +99,7 @@ impl Scene {
             .collect();
         let mut scene = Self {
             has_see_through: false,
+            has_dispersion: description.materials.iter().any(|m| m.dispersion() > 0.0),
             objects: vec![Object::default(); description.instances.len()],
             lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
             default_material: MaterialDescription::default(),
@@ -124,9 +127,10 @@ impl Scene {
         let aimable = concentrated || !scene.beacons.is_empty();
         for i in 0..scene.objects.len() {
             let rough = scene.boundary_is_rough(i as u32) && scene.is_covered(i as u32);
+            let bare = scene.has_bare_boundary(i as u32);
             let object = &mut scene.objects[i];
             let clear = rough || !scene.has_see_through;
-            object.aimable = aimable && clear && object.distance.is_some() && !object.lit_inside;
+            object.aimable = aimable && clear && bare && object.distance.is_some() && !object.lit_inside;
         }
         Ok(scene)
     }
@@ -286,18 +290,7 @@ fn check_indices(d: &SceneDescription) -> Result<(), SceneError> {
         }
     }
     for m in &d.materials {
-        let medium = m.medium.as_ref();
-        let refs = [
-            &m.base_color_texture,
-            &m.metallic_roughness_texture,
-            &m.normal_texture,
-            &m.emission_texture,
-            &m.transmission_texture,
-        ]
-        .into_iter()
-        .chain(medium.map(|x| &x.absorption_texture))
-        .chain(medium.map(|x| &x.scattering_texture));
-        for t in refs.flatten() {
+        for t in m.textures() {
             if t.texture >= d.textures.len() {
                 return bad(&m.pointer, "texture", t.texture);
             }

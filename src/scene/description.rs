@@ -3,6 +3,7 @@
 //! The loader fills it, tests build it by hand, and the tracer compiles it. Nothing here knows glTF beyond the
 //! meaning of its parameters, and nothing here traces a ray. Indices refer to the vectors of [`SceneDescription`].
 
+use super::Layers;
 use glam::{Affine2, Affine3A, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
@@ -169,7 +170,7 @@ pub enum AlphaMode {
     Blend,
 }
 
-/// A material: the glTF metallic-roughness model, a transmissive boundary, and what is below it.
+/// A material: the glTF metallic-roughness model, a transmissive boundary, what is below it and what is on top.
 #[derive(Clone, Debug)]
 pub struct MaterialDescription {
     /// Name for messages.
@@ -216,6 +217,10 @@ pub struct MaterialDescription {
     pub transmission_texture: Option<TextureRef>,
     /// The medium inside; `None` with `transmission > 0` is a thin wall that does not refract.
     pub medium: Option<MediumDescription>,
+    /// KHR_materials_pbrSpecularGlossiness: with it the roughness is 1 − (1 − `roughness`) · A.
+    pub glossiness_texture: Option<TextureRef>,
+    /// Layers on top, and other shapes of the lobes.
+    pub layers: Option<Box<Layers>>,
 }
 
 impl Default for MaterialDescription {
@@ -243,6 +248,8 @@ impl Default for MaterialDescription {
             transmission: 0.0,
             transmission_texture: None,
             medium: None,
+            glossiness_texture: None,
+            layers: None,
         }
     }
 }
@@ -260,9 +267,11 @@ impl MaterialDescription {
             &mut self.specular_texture,
             &mut self.specular_color_texture,
             &mut self.transmission_texture,
+            &mut self.glossiness_texture,
         ]
         .into_iter()
         .chain(medium)
+        .chain(self.layers.iter_mut().flat_map(|l| l.texture_slots_mut()))
     }
 
     /// Every texture in use, those of the medium included.
@@ -276,10 +285,12 @@ impl MaterialDescription {
             &self.specular_texture,
             &self.specular_color_texture,
             &self.transmission_texture,
+            &self.glossiness_texture,
         ]
         .into_iter()
         .chain(medium)
         .flatten()
+        .chain(self.layers.iter().flat_map(|l| l.textures()))
     }
 }
 

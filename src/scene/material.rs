@@ -1,5 +1,6 @@
 //! A material at a point: its textures read, and the scattering function they make.
 
+use super::layering::Layering;
 use super::{MaterialDescription, Scene, Surface};
 use crate::optics::{Bsdf, DielectricBoundary, Microfacet, Mixed, Surface as Opaque, SurfaceParameters};
 use glam::{Vec3, Vec4};
@@ -16,6 +17,11 @@ pub struct Shading<'a> {
     pub alpha: f32,
     /// Fraction of the non-reflected light that is transmitted.
     pub transmission: f32,
+    /// Strength and colour of the dielectric reflection.
+    pub(super) specular: f32,
+    pub(super) specular_color: Vec3,
+    /// Layers and other shapes of lobes, where there are any.
+    pub(super) layering: Option<Layering>,
     /// Shading normal, to the geometric front.
     pub normal: Vec3,
 }
@@ -29,6 +35,16 @@ impl<'a> Shading<'a> {
             let texel = surface.texture(scene, t);
             roughness *= texel.y;
             metallic *= texel.z;
+        }
+        if let Some(t) = &material.glossiness_texture {
+            roughness = 1.0 - (1.0 - roughness) * surface.texture(scene, t).w;
+        }
+        let (mut specular, mut specular_color) = (material.specular, material.specular_color);
+        if let Some(t) = &material.specular_texture {
+            specular *= surface.texture(scene, t).w;
+        }
+        if let Some(t) = &material.specular_color_texture {
+            specular_color *= surface.texture(scene, t).truncate();
         }
         let mut transmission = material.transmission;
         if let Some(t) = &material.transmission_texture {
@@ -44,6 +60,9 @@ impl<'a> Shading<'a> {
             metallic: metallic.clamp(0.0, 1.0),
             alpha: (roughness * roughness).clamp(0.0, 1.0),
             transmission: transmission.clamp(0.0, 1.0),
+            specular,
+            specular_color,
+            layering: material.layers.as_ref().map(|l| Layering::new(scene, surface, l, normal)),
             normal,
         }
     }
@@ -84,6 +103,9 @@ impl Scene {
 impl Shading<'_> {
     /// The scattering function; `eta` is the index inside over outside.
     pub fn bsdf(&self, eta: f32, boundary: bool, microfacet: Microfacet) -> Bsdf {
+        if self.layering.is_some() || (boundary && self.is_specular_treated()) {
+            return Bsdf::Layered(Box::new(self.layered(eta, boundary, microfacet)));
+        }
         if !boundary {
             return Bsdf::Surface(Opaque::new(&self.parameters(
                 self.metallic,
@@ -101,14 +123,24 @@ impl Shading<'_> {
         Bsdf::Mixed(Mixed::new(interface, opaque, share))
     }
 
-    fn parameters(&self, metallic: f32, transmission: f32, microfacet: Microfacet) -> SurfaceParameters {
+    /// Whether KHR_materials_specular changes the reflection.
+    pub(super) fn is_specular_treated(&self) -> bool {
+        self.specular != 1.0 || self.specular_color != Vec3::ONE
+    }
+
+    pub(super) fn parameters(
+        &self,
+        metallic: f32,
+        transmission: f32,
+        microfacet: Microfacet,
+    ) -> SurfaceParameters {
         SurfaceParameters {
             base_color: self.base_color,
             metallic,
             alpha: self.alpha,
             ior: self.material.ior,
-            specular: self.material.specular,
-            specular_color: self.material.specular_color,
+            specular: self.specular,
+            specular_color: self.specular_color,
             transmission,
             microfacet,
         }

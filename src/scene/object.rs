@@ -116,6 +116,18 @@ impl Scene {
         materials.all(|m| m.alpha_mode == AlphaMode::Opaque)
     }
 
+    /// Whether all boundaries of media of an instance are those of plain dielectrics.
+    pub(super) fn has_bare_boundary(&self, instance: u32) -> bool {
+        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        materials.all(|m| {
+            let treated = m.specular != 1.0
+                || m.specular_color != Vec3::ONE
+                || m.specular_texture.is_some()
+                || m.specular_color_texture.is_some();
+            m.medium.is_none() || !(treated || m.layers.is_some())
+        })
+    }
+
     /// Whether all boundaries of media of an instance are rough.
     pub(super) fn boundary_is_rough(&self, instance: u32) -> bool {
         let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));

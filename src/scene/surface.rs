@@ -86,6 +86,21 @@ impl Surface {
         scene.texel(texture, self.uv(scene, texture.uv_set))
     }
 
+    /// Unit tangent and bitangent perpendicular to a unit `normal`; `None` where the mesh has none.
+    pub fn tangents(&self, scene: &Scene, normal: Vec3) -> Option<(Vec3, Vec3)> {
+        let mesh = scene.mesh(self.instance);
+        if mesh.tangents.is_empty() {
+            return None;
+        }
+        let tangent = self.interpolate(mesh.triangles[self.triangle as usize], &mesh.tangents, |t| *t);
+        let instance = &scene.description.instances[self.instance as usize];
+        let world = instance.transform.transform_vector3(tangent.truncate());
+        let along = (world - normal * normal.dot(world)).try_normalize()?;
+        let mirrored = if scene.mirrored[self.instance as usize] { -1.0 } else { 1.0 };
+        let sign = if tangent.w < 0.0 { -mirrored } else { mirrored };
+        Some((along, normal.cross(along) * sign))
+    }
+
     /// The shading normal bent by the material's normal map, on the side of the geometric normal.
     pub fn mapped_normal(&self, scene: &Scene, texture: &TextureRef, scale: f32) -> Vec3 {
         let mesh = scene.mesh(self.instance);

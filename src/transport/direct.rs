@@ -1,5 +1,6 @@
 //! Next-event estimation: connecting a vertex to a light, and what the connection loses on its way.
 
+use super::dispersion::Drawn;
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::weight::Techniques;
@@ -36,6 +37,8 @@ pub(super) struct Shaded<'a> {
     pub reached: Reached,
     /// A boundary between equal indices: light passes it in a straight line.
     pub matched: bool,
+    /// The wavelength that was drawn here.
+    pub drawn: Option<Drawn>,
 }
 
 /// How a boundary was reached from inside.
@@ -54,13 +57,8 @@ impl Shaded<'_> {
     /// Sets the frame, the outgoing direction and which lights count. Where the shading normal would put the viewer on the
     /// other side of the surface, the geometric one is used.
     pub fn orient(&mut self, wo: Vec3, normal: Vec3, see_through: bool) {
-        let consistent = (wo.dot(normal) > 0.0) == self.front && wo.dot(normal) != 0.0;
-        let mut z = if consistent { normal } else { self.surface.geometric_normal };
-        if !see_through && !self.front {
-            z = -z;
-        }
-        let (x, y) = orthonormal_basis(z);
-        self.frame = Mat3::from_cols(x, y, z);
+        self.frame = Self::frame_of(self.surface, wo, normal, self.front, see_through);
+        let z = self.frame.z_axis;
         self.wo = self.frame.transpose() * wo;
         let normal = match (see_through, self.enclosure) {
             (false, _) => Some(z),
@@ -70,6 +68,19 @@ impl Shaded<'_> {
         let here = Anchor { point: self.surface.position, normal };
         // An aimed direction has chosen its light before it came here, and must be able to choose it again.
         self.anchor = self.reached.aimed.anchor().unwrap_or(here);
+    }
+}
+
+impl Shaded<'_> {
+    /// The frame that [`Shaded::orient`] sets.
+    pub fn frame_of(surface: &Surface, wo: Vec3, normal: Vec3, front: bool, see_through: bool) -> Mat3 {
+        let consistent = (wo.dot(normal) > 0.0) == front && wo.dot(normal) != 0.0;
+        let mut z = if consistent { normal } else { surface.geometric_normal };
+        if !see_through && !front {
+            z = -z;
+        }
+        let (x, y) = orthonormal_basis(z);
+        Mat3::from_cols(x, y, z)
     }
 }
 

@@ -195,6 +195,7 @@ impl Connector for FlightLights<'_, '_> {
             lit_inside: false,
             reached: Reached { aimed, by_aiming: true },
             matched: false,
+            drawn: None,
         };
         shaded.orient(-incoming, shading.normal, true);
         let light = if aimed.samples_light() {

@@ -6,6 +6,7 @@
 
 mod chance;
 mod direct;
+mod dispersion;
 mod emerge;
 mod ground;
 mod media;

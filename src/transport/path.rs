@@ -68,6 +68,7 @@ impl PathTracer<'_> {
             vertex: Vertex::unconnected(ray.origin),
             events: 0,
             bounces: 0,
+            wavelength: None,
             direct_view: true,
             footprint: if self.options.filter_textures {
                 self.camera.footprint(&ray, self.options.spp)
@@ -194,7 +195,7 @@ impl PathTracer<'_> {
         let wo = -path.head.direction;
         let front = wo.dot(surface.geometric_normal) > 0.0;
         let enclosure = self.enclosure_of(&surface);
-        let see_through = material.transmission > 0.0 || enclosure.is_some();
+        let see_through = material.is_see_through() || enclosure.is_some();
         path.events += 1;
 
         let culled = path.direct_view && !front && !material.double_sided && !see_through;
@@ -212,6 +213,7 @@ impl PathTracer<'_> {
         }
 
         let mut eta = 1.0;
+        let mut drawn = None;
         if let Some(e) = enclosure {
             if !front && !path.stack.contains(e.instance) {
                 path.stack.enter(e);
@@ -225,10 +227,21 @@ impl PathTracer<'_> {
                 return true;
             }
             eta = index;
+            if self.scene.has_dispersion
+                && let Some((index, wavelength)) = self.disperse(path, e, front, sampler)
+            {
+                (eta, drawn) = (index, wavelength);
+            }
         }
         path.direct_view = false;
         let shading = Shading::new(self.scene, &surface);
-        let bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
+        let mut bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
+        if let Bsdf::Layered(layered) = &mut bsdf {
+            layered.place(&Shaded::frame_of(&surface, wo, shading.normal, front, see_through));
+        }
+        if let Some(drawn) = &mut drawn {
+            self.weigh_wavelength(path, &bsdf, drawn);
+        }
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             path.head.aimed = Aimed::default();
         }
@@ -247,6 +260,7 @@ impl PathTracer<'_> {
             lit_inside,
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
+            drawn,
         };
         self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
     }
@@ -270,6 +284,7 @@ impl PathTracer<'_> {
             lit_inside: false,
             reached: Reached::default(),
             matched: false,
+            drawn: None,
         };
         self.scatter(shaded, surface.normal, false, path, radiance, sampler)
     }
@@ -291,6 +306,9 @@ impl PathTracer<'_> {
         }
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
+        if let Some(drawn) = &shaded.drawn {
+            self.keep_wavelength(path, drawn, shaded.wo, &sample);
+        }
         self.leave(&shaded, &sample, connected, path, sampler)
     }
 

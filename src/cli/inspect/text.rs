@@ -54,6 +54,18 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
     if !summary.animations.is_empty() {
         line(out, "animations", &names(summary.animations.iter().map(String::as_str)))?;
     }
+    if !summary.variants.is_empty() {
+        line(out, "variants", &names(summary.variants.iter().map(String::as_str)))?;
+    }
+    let layered: Vec<String> = summary
+        .materials
+        .iter()
+        .filter(|m| !m.layers.is_empty())
+        .map(|m| format!("{:?} with {}", m.name, m.layers.join(", ")))
+        .collect();
+    if !layered.is_empty() {
+        line(out, "layers", &names(layered.iter().map(String::as_str)))?;
+    }
     if report.media.is_empty() {
         line(out, "media", "none: nothing in this file scatters light below its surface")?;
     }

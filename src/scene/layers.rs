@@ -1,0 +1,178 @@
+//! What a material may have beyond metallic-roughness and a refracting boundary: layers on top of it, and other shapes of
+//! its lobes. Most materials have none of it, so it is kept apart from what every hit reads.
+
+use super::{MaterialDescription, TextureRef};
+use glam::Vec3;
+
+/// Everything optional about a surface. `None` is as if the extension were not there.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    /// KHR_materials_clearcoat.
+    pub clearcoat: Option<Clearcoat>,
+    /// KHR_materials_sheen.
+    pub sheen: Option<Sheen>,
+    /// KHR_materials_anisotropy.
+    pub anisotropy: Option<Anisotropy>,
+    /// KHR_materials_iridescence.
+    pub iridescence: Option<Iridescence>,
+    /// KHR_materials_diffuse_transmission.
+    pub diffuse_transmission: Option<DiffuseTransmission>,
+    /// KHR_materials_scatter of a thin wall.
+    pub thin_scatter: Option<ThinScatter>,
+    /// KHR_materials_dispersion: 20 over the Abbe number of the medium, ≥ 0; 0 for none.
+    pub dispersion: f32,
+}
+
+/// A dielectric coat of index 1.5.
+#[derive(Clone, Debug)]
+pub struct Clearcoat {
+    /// Strength, \[0, 1\].
+    pub factor: f32,
+    /// Multiplies `factor` (R).
+    pub texture: Option<TextureRef>,
+    /// Perceptual roughness, \[0, 1\].
+    pub roughness: f32,
+    /// Multiplies `roughness` (G).
+    pub roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals of the coat; without it the coat has the interpolated normal, not that of the base.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the x and y of `normal_texture`.
+    pub normal_scale: f32,
+}
+
+/// Fibres that stand on the surface.
+#[derive(Clone, Debug)]
+pub struct Sheen {
+    /// Linear colour, \[0, 1\].
+    pub color: Vec3,
+    /// Multiplies `color` (RGB).
+    pub color_texture: Option<TextureRef>,
+    /// How far the fibres lean, \[0, 1\].
+    pub roughness: f32,
+    /// Multiplies `roughness` (A).
+    pub roughness_texture: Option<TextureRef>,
+}
+
+/// Microfacets that are rougher along one tangent.
+#[derive(Clone, Debug)]
+pub struct Anisotropy {
+    /// Strength, \[0, 1\].
+    pub strength: f32,
+    /// From the tangent, counter-clockwise, radians.
+    pub rotation: f32,
+    /// Direction (RG, −1 to 1 as 0 to 1) and strength (B).
+    pub texture: Option<TextureRef>,
+}
+
+/// A thin film on the surface.
+#[derive(Clone, Debug)]
+pub struct Iridescence {
+    /// Strength, \[0, 1\].
+    pub factor: f32,
+    /// Multiplies `factor` (R).
+    pub texture: Option<TextureRef>,
+    /// Index of refraction of the film, ≥ 1.
+    pub ior: f32,
+    /// Thickness where `thickness_texture` is 0 and 1, nanometres.
+    pub thickness: [f32; 2],
+    /// Blends the two thicknesses (G); without it the second counts.
+    pub thickness_texture: Option<TextureRef>,
+}
+
+/// Light that comes out on the other side in all directions.
+#[derive(Clone, Debug)]
+pub struct DiffuseTransmission {
+    /// Share of the diffuse light that is transmitted, \[0, 1\].
+    pub factor: f32,
+    /// Multiplies `factor` (A).
+    pub texture: Option<TextureRef>,
+    /// Linear colour of the transmitted light, \[0, 1\].
+    pub color: Vec3,
+    /// Multiplies `color` (RGB).
+    pub color_texture: Option<TextureRef>,
+}
+
+/// What a thin wall scatters of the light that it would transmit.
+#[derive(Clone, Debug)]
+pub struct ThinScatter {
+    /// Share that is scattered, \[0, 1\].
+    pub strength: f32,
+    /// Multiplies `strength` (A).
+    pub strength_texture: Option<TextureRef>,
+    /// Linear colour of the scattered light, \[0, 1\].
+    pub color: Vec3,
+    /// Multiplies `color` (RGB).
+    pub color_texture: Option<TextureRef>,
+    /// (1 + g)/2 of the scattered light goes on, (1 − g)/2 comes back; in \[−1, 1\].
+    pub anisotropy: f32,
+}
+
+impl Layers {
+    /// Every place that refers to a texture.
+    pub fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+        let coat = self
+            .clearcoat
+            .iter_mut()
+            .flat_map(|c| [&mut c.texture, &mut c.roughness_texture, &mut c.normal_texture]);
+        let sheen = self.sheen.iter_mut().flat_map(|s| [&mut s.color_texture, &mut s.roughness_texture]);
+        let anisotropy = self.anisotropy.iter_mut().map(|a| &mut a.texture);
+        let film = self.iridescence.iter_mut().flat_map(|i| [&mut i.texture, &mut i.thickness_texture]);
+        let diffuse =
+            self.diffuse_transmission.iter_mut().flat_map(|d| [&mut d.texture, &mut d.color_texture]);
+        let thin = self.thin_scatter.iter_mut().flat_map(|t| [&mut t.strength_texture, &mut t.color_texture]);
+        coat.chain(sheen).chain(anisotropy).chain(film).chain(diffuse).chain(thin)
+    }
+
+    /// Names of what is there.
+    pub fn names(&self) -> Vec<&'static str> {
+        let all = [
+            (self.clearcoat.is_some(), "clearcoat"),
+            (self.sheen.is_some(), "sheen"),
+            (self.anisotropy.is_some(), "anisotropy"),
+            (self.iridescence.is_some(), "iridescence"),
+            (self.diffuse_transmission.is_some(), "diffuse transmission"),
+            (self.thin_scatter.is_some(), "thin scattering"),
+            (self.dispersion > 0.0, "dispersion"),
+        ];
+        all.into_iter().filter(|(there, _)| *there).map(|(_, name)| name).collect()
+    }
+
+    /// Every texture in use.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let coat = self.clearcoat.iter().flat_map(|c| [&c.texture, &c.roughness_texture, &c.normal_texture]);
+        let sheen = self.sheen.iter().flat_map(|s| [&s.color_texture, &s.roughness_texture]);
+        let anisotropy = self.anisotropy.iter().map(|a| &a.texture);
+        let film = self.iridescence.iter().flat_map(|i| [&i.texture, &i.thickness_texture]);
+        let diffuse = self.diffuse_transmission.iter().flat_map(|d| [&d.texture, &d.color_texture]);
+        let thin = self.thin_scatter.iter().flat_map(|t| [&t.strength_texture, &t.color_texture]);
+        coat.chain(sheen).chain(anisotropy).chain(film).chain(diffuse).chain(thin).flatten()
+    }
+}
+
+impl MaterialDescription {
+    /// The layers, made if there were none.
+    pub fn layers_mut(&mut self) -> &mut Layers {
+        self.layers.get_or_insert_default()
+    }
+
+    /// The texture whose coordinates tell the direction of tangents, or the set of coordinates that does; `None` where
+    /// nothing needs tangents.
+    pub fn tangent_uv_set(&self) -> Option<usize> {
+        let set = |t: &Option<TextureRef>| t.as_ref().map(|t| t.uv_set);
+        let layers = self.layers.as_ref();
+        let coat = || layers.and_then(|l| set(&l.clearcoat.as_ref()?.normal_texture));
+        let brushed = || layers.and_then(|l| Some(set(&l.anisotropy.as_ref()?.texture).unwrap_or(0)));
+        set(&self.normal_texture).or_else(coat).or_else(brushed)
+    }
+
+    /// Whether light can come through the surface, other than by alpha.
+    pub fn is_see_through(&self) -> bool {
+        let diffuse = || self.layers.as_ref()?.diffuse_transmission.as_ref().filter(|d| d.factor > 0.0);
+        self.transmission > 0.0 || diffuse().is_some()
+    }
+
+    /// 20 over the Abbe number; 0 where all wavelengths refract alike.
+    pub fn dispersion(&self) -> f32 {
+        self.layers.as_ref().map_or(0.0, |l| l.dispersion)
+    }
+}
