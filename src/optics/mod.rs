@@ -23,6 +23,7 @@ mod microsurface_walk;
 pub mod phase;
 pub mod presets;
 mod reflection_tables;
+pub mod seen_color;
 #[cfg(test)]
 mod test_support;
 mod warp;

@@ -11,5 +11,6 @@ mod lights;
 mod media;
 mod models;
 mod searchlight;
+mod seen_color;
 mod slabs;
 mod spheres;
