@@ -8,7 +8,7 @@
 //!                               │ light, optics, geometry, sampling
 //! ```
 //!
-//! [`asset`] and [`extension`] turn files into a [`scene::SceneDescription`] and never trace a ray;
+//! [`author`] changes the media of a file and nothing else of it. [`asset`] and [`extension`] turn files into a [`scene::SceneDescription`] and never trace a ray;
 //! [`transport`], [`subsurface`], [`optics`] and [`geometry`] never see glTF. Two seams take plug-ins:
 //! [`extension::Extension`] (one file a glTF extension) and [`subsurface::SubsurfaceModel`] (one file a model).
 //!
@@ -16,6 +16,7 @@
 //! Rec. 709. Directions in shading point away from the surface. `eta` is inside over outside.
 
 pub mod asset;
+pub mod author;
 pub mod cli;
 pub mod extension;
 pub mod film;

@@ -2,9 +2,17 @@
 
 #[path = "cli/compare_models.rs"]
 mod compare_models;
+#[path = "cli/convert.rs"]
+mod convert;
+#[path = "cli/edit.rs"]
+mod edit;
+#[path = "cli/presets.rs"]
+mod presets;
 #[path = "cli/profile.rs"]
 mod profile;
 mod util;
+#[path = "cli/validate.rs"]
+mod validate;
 
 use util::{Sandbox, exr_channel, triangle};
 

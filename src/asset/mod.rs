@@ -19,7 +19,7 @@
 mod accessor;
 mod buffer;
 mod camera;
-mod container;
+pub(crate) mod container;
 pub mod environment;
 mod error;
 mod extensions;
@@ -36,7 +36,7 @@ mod summary;
 mod tangent;
 mod texture;
 mod topology;
-mod uri;
+pub(crate) mod uri;
 
 use std::path::Path;
 

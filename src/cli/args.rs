@@ -1,6 +1,7 @@
 //! What can be typed. Values are checked one by one in [`super::values`]; what they mean together is decided in
 //! [`super::job`].
 
+use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
 use super::pipeline::{Cosines, Microfacet};
 use super::values::*;
 use crate::film::ToneMap;
@@ -25,6 +26,14 @@ pub(super) enum Command {
     CompareModels(Box<CompareArgs>),
     /// Measure how far light travels below the surface of a medium: R(r) by every subsurface model
     Profile(ProfileArgs),
+    /// Give materials of a glTF file a medium, change it, or remove it
+    Edit(Box<EditArgs>),
+    /// Describe the media of a glTF file in another way
+    Convert(ConvertArgs),
+    /// List published media, or render a sphere of each
+    Presets(PresetsArgs),
+    /// Check the media of a glTF file
+    Validate(ValidateArgs),
 }
 
 /// What every command that renders has to know of the scene.
@@ -184,7 +193,7 @@ pub(super) struct CompareArgs {
     nephrite profile --medium skim-milk -o milk.png\n  \
     nephrite profile --medium marble --channel all -o marble.png -o marble.csv\n  \
     nephrite profile --medium 20,1500,0.4,1.4 -o medium.json --models dipole,better-dipole\n\n\
-    Presets are the media that Jensen et al. measured in 2001:\n  \
+    Presets are listed by `nephrite presets`, among them the media that Jensen et al. measured in 2001:\n  \
     apple, chicken1, chicken2, cream, ketchup, marble, potato, skim-milk, skin1, skin2, spectralon, whole-milk\n\n\
     The figure shows R(r), the radiant exitance at distance r from a pencil beam at normal incidence on a half space, for \
     unit power that has crossed the surface: the random walk as points with standard errors, closed forms as lines.")]

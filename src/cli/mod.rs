@@ -12,18 +12,25 @@
 //! | 130 | interrupted; what was rendered has been written, if anything was |
 
 mod args;
+mod author_args;
+mod author_values;
+mod authored;
 mod compare;
+mod convert;
+mod edit;
 mod inspect;
 mod interrupt;
 mod job;
 mod message;
 mod names;
 mod pipeline;
+mod presets;
 mod profile;
 mod progress;
 mod render;
 mod setup;
 mod stats;
+mod validate;
 mod values;
 
 use clap::Parser;
@@ -70,6 +77,10 @@ pub fn main() -> ExitCode {
         args::Command::Inspect(args) => inspect::run(&args),
         args::Command::CompareModels(args) => compare::run(*args),
         args::Command::Profile(args) => profile::run(args),
+        args::Command::Edit(args) => edit::run(&args),
+        args::Command::Convert(args) => convert::run(&args),
+        args::Command::Presets(args) => presets::run(args),
+        args::Command::Validate(args) => validate::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

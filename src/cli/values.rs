@@ -4,7 +4,7 @@ use super::names;
 use super::pipeline::{Cosines, Microfacet, subsurface_models};
 use crate::film::ToneMap;
 use crate::optics::diffusion::Coefficients;
-use crate::optics::presets::{JENSEN_2001, Preset};
+use crate::optics::presets::Preset;
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -155,7 +155,7 @@ pub(super) fn tone_map(text: &str) -> Result<ToneMap, String> {
 
 pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
     if !text.contains(',') {
-        let presets = JENSEN_2001.iter().map(|preset| preset.name);
+        let presets = Preset::all().map(|preset| preset.name);
         return Preset::named(text).map(MediumArg::Preset).ok_or_else(|| {
             let unknown = names::unknown("preset", text, presets);
             format!("{unknown}; or give four numbers σa,σs,g,η")

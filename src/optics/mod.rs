@@ -28,6 +28,7 @@ pub mod phase;
 pub mod presets;
 mod reflectance;
 mod reflection_tables;
+pub mod seen_color;
 mod sheen;
 pub mod spectrum;
 mod substrate;

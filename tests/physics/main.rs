@@ -11,6 +11,7 @@ mod lights;
 mod media;
 mod models;
 mod searchlight;
+mod seen_color;
 mod slabs;
 mod spheres;
 mod views;

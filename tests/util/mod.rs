@@ -115,3 +115,69 @@ pub fn exr_channel(path: &Path, name: &str) -> Vec<f32> {
     let found = list.iter().find(|c| c.name.to_string() == name);
     found.unwrap_or_else(|| panic!("no channel {name}")).sample_data.values_as_f32().collect()
 }
+
+/// A glTF file of closed tetrahedra with edges of √2, one for each node, all of material 0; the buffer is beside the
+/// document under the name that is given, or in it. `materials` and `nodes` are JSON arrays.
+pub fn tetrahedra(materials: &str, nodes: &str, uri: Option<&str>) -> String {
+    use base64::Engine;
+    let uri = match uri {
+        Some(uri) => uri.to_owned(),
+        None => {
+            let data = base64::engine::general_purpose::STANDARD.encode(tetrahedron_data());
+            format!("data:application/octet-stream;base64,{data}")
+        }
+    };
+    let count = serde_json::from_str::<Vec<serde_json::Value>>(nodes).expect("an array").len();
+    let all: Vec<String> = (0..count).map(|i| i.to_string()).collect();
+    format!(
+        r#"{{
+  "asset": {{ "version": "2.0" }},
+  "scenes": [ {{ "nodes": [{}] }} ],
+  "scene": 0,
+  "nodes": {nodes},
+  "materials": {materials},
+  "meshes": [
+    {{ "name": "Tetra", "primitives": [ {{ "attributes": {{ "POSITION": 0 }}, "indices": 1, "material": 0 }} ] }},
+    {{ "name": "Open", "primitives": [ {{ "attributes": {{ "POSITION": 0 }}, "indices": 2, "material": 0 }} ] }}
+  ],
+  "accessors": [
+    {{ "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-0.5, -0.5, -0.5], "max": [0.5, 0.5, 0.5] }},
+    {{ "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" }},
+    {{ "bufferView": 1, "componentType": 5123, "count": 9, "type": "SCALAR" }}
+  ],
+  "bufferViews": [ {{ "buffer": 0, "byteLength": 48 }}, {{ "buffer": 0, "byteOffset": 48, "byteLength": 24 }} ],
+  "buffers": [ {{ "byteLength": 72, "uri": "{uri}" }} ]
+}}
+"#,
+        all.join(", ")
+    )
+}
+
+/// The buffer of [`tetrahedra`].
+pub fn tetrahedron_data() -> Vec<u8> {
+    let corners = [[0.5f32, 0.5, 0.5], [0.5, -0.5, -0.5], [-0.5, 0.5, -0.5], [-0.5, -0.5, 0.5]];
+    let faces = [[0u16, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    let positions = corners.iter().flatten().flat_map(|v| v.to_le_bytes());
+    positions.chain(faces.iter().flatten().flat_map(|i| i.to_le_bytes())).collect()
+}
+
+/// The same file as GLB: the document, and the buffer as its binary chunk.
+pub fn glb(document: &str) -> Vec<u8> {
+    let mut json: serde_json::Value = serde_json::from_str(document).expect("JSON");
+    if let Some(buffer) = json["buffers"][0].as_object_mut() {
+        buffer.remove("uri");
+    }
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let data = tetrahedron_data();
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    let length = |n: usize| u32::try_from(n).expect("small").to_le_bytes();
+    bytes.extend(length(12 + 8 + text.len() + 8 + data.len()));
+    bytes.extend(length(text.len()));
+    bytes.extend(b"JSON");
+    bytes.extend(text);
+    bytes.extend(length(data.len()));
+    bytes.extend(b"BIN\0");
+    bytes.extend(data);
+    bytes
+}

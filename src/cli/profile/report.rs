@@ -27,12 +27,12 @@ fn medium(job: &ProfileJob) -> Value {
         })
         .collect();
     let preset = match &job.args.medium {
-        MediumArg::Preset(preset) => Some(preset.name),
+        MediumArg::Preset(preset) => Some(preset),
         MediumArg::Numbers(_) => None,
     };
     json!({
-        "preset": preset,
-        "source": preset.map(|_| "Jensen, Marschner, Levoy, Hanrahan 2001, figure 5"),
+        "preset": preset.map(|preset| preset.name),
+        "source": preset.map(|preset| preset.source.citation()),
         "channels": channels,
     })
 }

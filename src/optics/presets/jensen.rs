@@ -1,27 +1,21 @@
-//! Measured media: Jensen, Marschner, Levoy & Hanrahan, "A practical model for subsurface light transport" (SIGGRAPH 2001),
-//! figure 5. Red, green and blue as the authors measured them, taken for linear Rec. 709.
+//! Jensen, Marschner, Levoy & Hanrahan, "A practical model for subsurface light transport" (SIGGRAPH 2001), figure 5. Red,
+//! green and blue as the authors measured them, taken for linear Rec. 709.
 //!
 //! The paper gives the *reduced* scattering coefficient σs′ = σs(1 − g): how forward the phase functions are is not known,
 //! so a preset scatters isotropically with σs = σs′. The red absorption of both chickens is 0.015 and 0.018 1/mm, which
 //! gives the reflectance that the paper prints; a tenth of that, which is also in circulation, does not.
 
-use super::diffusion::Coefficients;
-
-/// A measured medium and its boundary.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Preset {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Absorption coefficient σa, 1/mm.
-    pub sigma_a_per_mm: [f64; 3],
-    /// Reduced scattering coefficient σs′, 1/mm.
-    pub reduced_scattering_per_mm: [f64; 3],
-    /// Index of refraction.
-    pub eta: f64,
-}
+use super::{Preset, Source};
 
 const fn preset(name: &'static str, sigma_a: [f64; 3], reduced_scattering: [f64; 3], eta: f64) -> Preset {
-    Preset { name, sigma_a_per_mm: sigma_a, reduced_scattering_per_mm: reduced_scattering, eta }
+    Preset {
+        name,
+        source: Source::Jensen2001,
+        sigma_a_per_mm: sigma_a,
+        sigma_s_per_mm: reduced_scattering,
+        g: [0.0; 3],
+        eta,
+    }
 }
 
 /// All media of the paper.
@@ -40,21 +34,6 @@ pub const JENSEN_2001: [Preset; 12] = [
     preset("spectralon", [0.0, 0.0, 0.0], [11.6, 20.4, 14.9], 1.3),
     preset("whole-milk", [0.0011, 0.0024, 0.014], [2.55, 3.21, 3.77], 1.3),
 ];
-
-impl Preset {
-    /// The preset of that name.
-    pub fn named(name: &str) -> Option<&'static Self> {
-        JENSEN_2001.iter().find(|preset| preset.name == name)
-    }
-
-    /// One channel (0, 1 or 2) in 1/m.
-    pub fn coefficients(&self, channel: usize) -> Coefficients {
-        let per_m = |per_mm: f64| 1000.0 * per_mm;
-        let [sigma_a, scattering] =
-            [self.sigma_a_per_mm, self.reduced_scattering_per_mm].map(|c| per_m(c[channel]));
-        Coefficients::isotropic(sigma_a, scattering, self.eta)
-    }
-}
 
 #[cfg(test)]
 mod tests {

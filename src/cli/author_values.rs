@@ -1,0 +1,134 @@
+//! Values that the authoring commands take.
+
+use super::names;
+use super::values::LengthUnit;
+use crate::author::Form;
+use crate::optics::presets::Preset;
+
+/// A texture, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TextureArg {
+    Index(u32),
+    None,
+}
+
+/// Three numbers of at least 0, or one for all three.
+pub(super) fn channels(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse::<f64>()).collect();
+    let numbers = match numbers.as_deref() {
+        Ok([one]) => [*one; 3],
+        Ok([r, g, b]) => [*r, *g, *b],
+        _ => return Err("three numbers red,green,blue are expected, or one for all".to_owned()),
+    };
+    match numbers.iter().all(|v| v.is_finite() && *v >= 0.0) {
+        true => Ok(numbers),
+        false => Err("numbers of at least 0 are expected".to_owned()),
+    }
+}
+
+pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
+    let color = channels(text)?;
+    match color.iter().all(|v| *v <= 1.0) {
+        true => Ok(color),
+        false => Err("a colour is between 0 and 1, in linear Rec. 709".to_owned()),
+    }
+}
+
+pub(super) fn lengths(text: &str) -> Result<[f64; 3], String> {
+    let lengths = channels(text)?;
+    match lengths.iter().all(|v| *v > 0.0) {
+        true => Ok(lengths),
+        false => Err("lengths are above 0".to_owned()),
+    }
+}
+
+pub(super) fn anisotropy(text: &str) -> Result<f64, String> {
+    let g = text.parse::<f64>().ok().filter(|g| *g > -1.0 && *g < 1.0);
+    g.ok_or_else(|| "a number above -1 and below 1 is expected".to_owned())
+}
+
+pub(super) fn ior(text: &str) -> Result<f64, String> {
+    let ior = text.parse::<f64>().ok().filter(|ior| ior.is_finite() && *ior >= 1.0);
+    ior.ok_or_else(|| "a number of at least 1 is expected".to_owned())
+}
+
+pub(super) fn density(text: &str) -> Result<f64, String> {
+    let density = text.parse::<f64>().ok().filter(|d| d.is_finite() && *d >= 0.0);
+    density.ok_or_else(|| "a number of at least 0 is expected".to_owned())
+}
+
+pub(super) fn texture(text: &str) -> Result<TextureArg, String> {
+    match text {
+        "none" => Ok(TextureArg::None),
+        _ => text
+            .parse()
+            .map(TextureArg::Index)
+            .map_err(|_| "the index of a texture, or none, is expected".to_owned()),
+    }
+}
+
+pub(super) fn preset(text: &str) -> Result<&'static Preset, String> {
+    Preset::named(text).ok_or_else(|| names::unknown("preset", text, Preset::all().map(|preset| preset.name)))
+}
+
+pub(super) fn form(text: &str) -> Result<Form, String> {
+    match text {
+        "nephrite" => Ok(Form::Nephrite),
+        "khr-scatter" => Ok(Form::KhrScatter),
+        "openpbr" => Ok(Form::OpenPbr),
+        _ => Err(names::unknown("description of media", text, ["khr-scatter", "nephrite", "openpbr"])),
+    }
+}
+
+impl LengthUnit {
+    /// A coefficient per this unit, in 1/m: the decimal point is moved, so that 0.07 per millimetre is 70 exactly.
+    pub fn per_metre(self, coefficient: f64) -> f64 {
+        self.shifted(coefficient, 3)
+    }
+
+    /// A length in this unit, in metres.
+    pub fn metres(self, length: f64) -> f64 {
+        self.shifted(length, -3)
+    }
+
+    fn shifted(self, value: f64, places: i32) -> f64 {
+        let places = match self {
+            Self::Metre => 0,
+            Self::Millimetre => places,
+        };
+        let text = format!("{value:e}");
+        let shifted = text.split_once('e').and_then(|(digits, exponent)| {
+            format!("{digits}e{}", exponent.parse::<i32>().ok()? + places).parse().ok()
+        });
+        shifted.unwrap_or(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_move_the_decimal_point() {
+        for (mm, m) in [(0.07, 70.0), (0.0021, 2.1), (2.19, 2190.0), (1e-9, 1e-6), (0.0, 0.0), (0.013, 13.0)]
+        {
+            assert_eq!(LengthUnit::Millimetre.per_metre(mm), m);
+            assert_eq!(LengthUnit::Metre.per_metre(mm), mm);
+        }
+        assert_eq!(LengthUnit::Millimetre.metres(0.3), 0.0003);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        assert_eq!(channels("1, 2,3"), Ok([1.0, 2.0, 3.0]));
+        assert_eq!(channels("0.5"), Ok([0.5; 3]));
+        for wrong in ["1,2", "", "a,b,c", "1,2,3,4", "1,-2,3", "1,nan,2", "inf"] {
+            assert!(channels(wrong).is_err(), "{wrong}");
+        }
+        assert!(color("0.2,0.3,1.1").is_err() && lengths("1,0,1").is_err());
+        assert!(anisotropy("1").is_err() && anisotropy("-0.9").is_ok());
+        assert!(ior("0.9").is_err() && density("-1").is_err() && texture("x").is_err());
+        assert!(preset("marbel").unwrap_err().contains("did you mean marble"));
+        assert!(form("openpr").unwrap_err().contains("did you mean openpbr"));
+    }
+}

@@ -1,0 +1,146 @@
+//! Files that are read, changed and written: what `edit` and `convert` share.
+//!
+//! Nothing is written before the result has been loaded once, and a document appears complete or not at all. A `.gltf`
+//! refers to files by relative paths, so its copy in another folder would be broken: it is refused, or the files are copied.
+
+use super::Failure;
+use super::author_args::TargetArgs;
+use super::job::{cannot_write, check_output};
+use super::message::Reporter;
+use crate::asset::{AssetError, LoadOptions, Loaded, load_bytes};
+use crate::author::{AuthoredFile, file};
+use crate::film::atomic::{directory_of, write_atomically};
+use std::path::{Path, PathBuf};
+
+/// A file to be changed.
+pub(super) struct Authored<'a> {
+    args: &'a TargetArgs,
+    options: LoadOptions,
+    pub file: AuthoredFile,
+    /// What it shows, or why it shows nothing.
+    pub loaded: Result<Loaded, AssetError>,
+}
+
+/// The failure of reading a file.
+pub(super) fn cannot_read(path: &Path, error: &AssetError) -> Failure {
+    let (text, shown) = (error.to_string(), path.display().to_string());
+    let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
+    Failure::Cannot { message, advice: error.advice() }
+}
+
+impl<'a> Authored<'a> {
+    /// Reads the input, and checks whether the output could be written.
+    pub fn open(args: &'a TargetArgs, reporter: &Reporter) -> Result<Self, Failure> {
+        let options = LoadOptions::default();
+        let file =
+            AuthoredFile::read(&args.input, &options.limits).map_err(|e| cannot_read(&args.input, &e))?;
+        let output = args.output.as_deref().unwrap_or(&args.input);
+        if !args.in_place && same_file(&args.input, output) {
+            return Err(Failure::advise(
+                format!("{} is the input", output.display()),
+                "give --in-place to replace it",
+            ));
+        }
+        check_extension(&file, output)?;
+        check_output(output)?;
+        let loaded = load_bytes(file.bytes().to_vec(), &directory_of(&args.input), &options);
+        if let Err(error) = &loaded {
+            reporter.warning(format!("{}: cannot be rendered: {error}", args.input.display()));
+        }
+        Ok(Self { args, options, file, loaded })
+    }
+
+    fn output(&self) -> &'a Path {
+        self.args.output.as_deref().unwrap_or(&self.args.input)
+    }
+
+    /// Writes the file with another document, and says what the loader thinks of the materials `changed`.
+    pub fn write(&self, text: &str, changed: &[usize], reporter: &Reporter) -> Result<(), Failure> {
+        let output = self.output();
+        let bytes = self.file.with_document(text).map_err(|e| cannot_read(&self.args.input, &e))?;
+        match load_bytes(bytes.clone(), &directory_of(&self.args.input), &self.options) {
+            Ok(mut result) => {
+                let places: Vec<String> = changed.iter().map(|i| format!("/materials/{i}/")).collect();
+                result.diagnostics.retain(|d| {
+                    d.severity > crate::asset::Severity::Note
+                        && places.iter().any(|p| d.pointer.starts_with(p))
+                });
+                reporter.diagnostics(&result.diagnostics);
+            }
+            // What could not be loaded before is not the fault of the change.
+            Err(_) if self.loaded.is_err() => {}
+            Err(error) => return Err(cannot_read(output, &error)),
+        }
+        let copied = self.copy_resources()?;
+        let written = write_atomically(output, |out| out.write_all(&bytes));
+        if let Err(error) = written {
+            copied.iter().for_each(|path| drop(std::fs::remove_file(path)));
+            return Err(cannot_write(output, error));
+        }
+        Ok(())
+    }
+
+    /// Sees to the files that the document refers to; the files that were copied.
+    fn copy_resources(&self) -> Result<Vec<PathBuf>, Failure> {
+        let (from, to) = (directory_of(&self.args.input), directory_of(self.output()));
+        if same_file(&from, &to) {
+            return Ok(Vec::new());
+        }
+        let is_relative =
+            |uri: &str| !uri.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':'));
+        let resources = self.file.resources().into_iter().filter(|(_, uri)| is_relative(uri));
+        let mut copied: Vec<PathBuf> = Vec::new();
+        for (pointer, uri) in resources {
+            let done = match self.args.copy_resources {
+                true => copy(&from, &to, &pointer, &uri, self.options.limits.file_bytes),
+                false => Err(Failure::advise(
+                    format!("{pointer}: the file {uri:?} is not in the folder of the output"),
+                    "give --copy-resources, or write the output beside the input",
+                )),
+            };
+            match done {
+                Ok(path) => copied.extend(path),
+                Err(failure) => {
+                    copied.iter().for_each(|path| drop(std::fs::remove_file(path)));
+                    return Err(failure);
+                }
+            }
+        }
+        Ok(copied)
+    }
+}
+
+/// Copies one file unless it is there already; `None` if it was.
+fn copy(from: &Path, to: &Path, pointer: &str, uri: &str, limit: u64) -> Result<Option<PathBuf>, Failure> {
+    let (path, bytes) = file::resource(from, pointer, uri, limit).map_err(|e| cannot_read(from, &e))?;
+    let target = to.join(path);
+    if target.exists() {
+        return match std::fs::read(&target) {
+            Ok(there) if there == bytes => Ok(None),
+            _ => Err(Failure::advise(
+                format!("{pointer}: {} exists and is another file", target.display()),
+                "write into an empty folder",
+            )),
+        };
+    }
+    std::fs::create_dir_all(directory_of(&target)).map_err(|e| cannot_write(&target, e))?;
+    let written: std::io::Result<()> = write_atomically(&target, |out| out.write_all(&bytes));
+    written.map(|()| Some(target.clone())).map_err(|e| cannot_write(&target, e))
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The name of the output should say what it holds.
+fn check_extension(file: &AuthoredFile, output: &Path) -> Result<(), Failure> {
+    let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let (holds, other) = if file.is_binary() { ("glb", "gltf") } else { ("gltf", "glb") };
+    if extension.as_deref() == Some(other) {
+        return Err(Failure::advise(
+            format!("{}: the input is a .{holds}, and the container is kept", output.display()),
+            format!("give the output a name that ends with .{holds}"),
+        ));
+    }
+    Ok(())
+}

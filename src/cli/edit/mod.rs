@@ -1,0 +1,86 @@
+//! `nephrite edit`: gives materials a medium, changes it, or takes it away.
+
+mod change;
+mod select;
+
+use super::Failure;
+use super::author_args::EditArgs;
+use super::authored::Authored;
+use super::message::Reporter;
+use crate::author::{Medium, bodies, declare, khronos, nephrite, remove_member, text::Node};
+use crate::scene::SceneDescription;
+use change::Change;
+
+/// Edits as the arguments say.
+pub(super) fn run(args: &EditArgs) -> Result<(), Failure> {
+    let change = Change::new(args)?;
+    let reporter = Reporter::new(args.target.quiet);
+    let authored = Authored::open(&args.target, &reporter)?;
+    let chosen = select::materials(authored.file.document(), &args.material)?;
+    let mut tree = authored.file.tree().map_err(Failure::cannot)?;
+    let scene = authored.loaded.as_ref().ok().map(|loaded| &loaded.scene);
+    for &index in &chosen {
+        let material = tree.root_mut().get_mut("materials").and_then(|list| list.item_mut(index));
+        let material = material.ok_or_else(|| Failure::cannot(format!("/materials/{index} is missing")))?;
+        edit(material, index, &change, scene)?;
+    }
+    if !chosen.is_empty() {
+        let names: Vec<&str> = std::iter::once(nephrite::NAME).chain(khronos::NAMES).collect();
+        declare(tree.root_mut(), if args.no_fallback { &names[..1] } else { &names });
+    }
+    authored.write(&tree.to_string(), &chosen, &reporter)?;
+    let output = args.target.output.as_ref().unwrap_or(&args.target.input);
+    let changed = match chosen.len() {
+        1 => "1 material".to_owned(),
+        n => format!("{n} materials"),
+    };
+    reporter.note(format!("wrote {} ({changed} changed)", output.display()));
+    Ok(())
+}
+
+fn edit(
+    material: &mut Node<'_>,
+    index: usize,
+    change: &Change<'_>,
+    scene: Option<&SceneDescription>,
+) -> Result<(), Failure> {
+    let before = material.value().unwrap_or_default();
+    let body = scene.and_then(|scene| bodies::with_material(scene, index).next());
+    let thickness = |medium: &Medium| fallback_thickness(medium, body.as_ref());
+    if change.args.remove {
+        let medium = nephrite::read(&before).map(|reading| reading.medium);
+        remove_member(material, "extensions", nephrite::NAME);
+        if let Some(medium) = medium.filter(|_| !change.args.no_fallback) {
+            khronos::remove(material, &medium, thickness(&medium));
+        }
+        return Ok(());
+    }
+    let members = change.applied_to(&before, index)?;
+    let old = before.pointer(&format!("/extensions/{}", nephrite::NAME)).and_then(|own| own.as_object());
+    if let Some(own) = material.get_mut("extensions").and_then(|e| e.get_mut(nephrite::NAME)) {
+        let gone = old.into_iter().flat_map(|old| old.keys()).filter(|key| !members.contains_key(*key));
+        for key in gone {
+            own.remove(key);
+        }
+    }
+    crate::author::set_extension(material, nephrite::NAME, &members);
+    if change.args.fix_surface {
+        change::fix_surface(material, &before);
+    }
+    if !change.args.no_fallback {
+        let after = material.value().unwrap_or_default();
+        if let Some(reading) = nephrite::read(&after) {
+            khronos::write(material, &reading.medium, thickness(&reading.medium), true);
+        }
+    }
+    Ok(())
+}
+
+/// The thickness for readers that do not trace rays, in units of the mesh: a quarter of a mean free path where light is
+/// scattered, since such readers would show black otherwise, else the body's own.
+pub(super) fn fallback_thickness(medium: &Medium, body: Option<&bodies::Body<'_>>) -> f64 {
+    let densest = medium.sigma_t().into_iter().fold(0.0, f64::max);
+    let (own, scale) = body.map_or((1.0, 1.0), |body| (body.thickness(), body.scale));
+    let thickness = if medium.scatters() && scale > 0.0 { 0.25 / densest / scale } else { own };
+    if thickness > 0.0 && thickness.is_finite() { thickness } else { 1.0 }
+}
