@@ -249,12 +249,13 @@ impl Estimate {
 
 /// A texture of linear values, appended to a scene.
 pub fn add_texture(scene: &mut SceneDescription, width: u32, texels: &[Vec3]) -> TextureRef {
-    scene.images.push(ImageData {
+    let image = ImageData {
         name: String::new(),
         width,
         height: texels.len() as u32 / width,
         pixels: ImagePixels::Rgba32F(texels.iter().flat_map(|t| t.extend(1.0).to_array()).collect()),
-    });
+    };
+    scene.images.push(image.into());
     scene.textures.push(TextureDescription {
         image: scene.images.len() - 1,
         wrap_u: Wrap::Repeat,
