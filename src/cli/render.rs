@@ -5,7 +5,7 @@ use super::args::RenderArgs;
 use super::interrupt;
 use super::job::{RenderJob, cannot_write, file_name, write_text};
 use super::message::Reporter;
-use super::pipeline::{self, RenderOptions, Rendered};
+use super::pipeline::{self, RenderOptions, Rendered, Shutter};
 use super::progress::Progress;
 use super::setup::{Prepared, Size, report_counters};
 use super::stats::{Work, peak_memory_bytes};
@@ -25,12 +25,18 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let reporter = Reporter::new(args.quiet);
     let progress = Progress::new(args.quiet);
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
-    let prepared = Prepared::new(args, size, &reporter, &progress)?;
+    let mut prepared = Prepared::new(args, size, job.args.shutter, &reporter, &progress)?;
     let options = prepared.options(args, job.args.spp, &job.args.subsurface);
     let models = pipeline::models(args.brdf_cosines);
 
     progress.rendering();
-    let (rendered, work) = Work::of(|| pipeline::render(&prepared.scene, &options, &models, &progress));
+    let (rendered, work) = Work::of(|| match shutter(&job, &prepared) {
+        None => pipeline::render(&prepared.scene, &options, &models, &progress),
+        Some(shutter) => {
+            let pose = |time| prepared.at(time, args);
+            pipeline::render_shutter(&shutter, &options, &models, &progress, pose)
+        }
+    });
     progress.clear();
     let rendered = rendered?;
     let interrupted = rendered.spp < options.spp;
@@ -65,6 +71,14 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
         measured.work.seconds
     ));
     Ok(())
+}
+
+/// The shutter, if it is open while something may move.
+fn shutter(job: &RenderJob, prepared: &Prepared) -> Option<Shutter> {
+    let [open, close] = job.args.shutter.filter(|_| !prepared.moment.animations.is_empty())?;
+    // The moment of the scene is that of the opening.
+    let time = prepared.moment.time;
+    Some(Shutter { open: time, close: time + (close - open), slices: job.args.shutter_slices })
 }
 
 fn write_pictures(
@@ -105,6 +119,10 @@ fn attributes(
     let args = &job.args.scene;
     let mut recorded = prepared.record(args);
     recorded["subsurface"] = json!(options.subsurface);
+    if let Some(shutter) = shutter(job, prepared) {
+        recorded["shutter"] = json!([shutter.open, shutter.close]);
+        recorded["shutter_slices"] = json!(shutter.slices);
+    }
     if !format.is_linear() {
         recorded["tonemap"] = json!(args.tonemap.name());
         recorded["exposure"] = json!(args.exposure);

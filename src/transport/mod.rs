@@ -11,8 +11,10 @@ mod media;
 mod path;
 mod render;
 pub mod searchlight;
+mod shutter;
 mod state;
 mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};
 pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};
+pub use shutter::{Shutter, Slice, render_shutter};
