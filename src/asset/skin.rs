@@ -72,7 +72,7 @@ impl Loader<'_> {
             return Ok(world);
         }
         let message = "the joint is not shown by the scene; its place follows from the nodes above it";
-        self.invalid(from, message)?;
+        self.warn(from, message, None);
         let parents = match self.parents.take() {
             Some(parents) => parents,
             None => self.find_parents()?,

@@ -52,10 +52,14 @@ impl Prepared {
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let mut watch = Stopwatch::start();
-        progress.phase(&format!("loading {}", file_name(&args.input)));
-        let mut asset = pipeline::open(&args.input, args.scene, args.strict)?;
+        let loading = format!("loading {}", file_name(&args.input));
+        progress.phase(&loading);
+        let asset = pipeline::open(&args.input, args.scene, args.strict);
+        progress.clear();
+        let mut asset = asset?;
         let mut moment = args.play.moment(&asset, shutter.is_some(), reporter)?;
         moment.time += shutter.map_or(0.0, |[open, _]| open);
+        progress.phase(&loading);
         let loaded = pipeline::load(&args.input, &mut asset, &moment);
         progress.clear();
         let loaded = loaded?;
