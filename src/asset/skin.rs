@@ -94,7 +94,7 @@ impl Loader<'_> {
         self.parents = Some(parents);
         for node in chain.into_iter().rev() {
             let json = self.entry("nodes", node, from)?;
-            world = world * self.local(&json)?;
+            world *= self.local(&json)?;
             if let Some(slot) = self.worlds.get_mut(node) {
                 *slot = Some(world);
             }

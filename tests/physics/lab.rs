@@ -1,7 +1,6 @@
 //! Scenes for measurements: meshes built here, cameras that see them, and estimates with standard errors.
 
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
-use nephrite::optics::Microfacet;
 use nephrite::scene::*;
 use nephrite::transport::{RenderOptions, render};
 
@@ -139,12 +138,8 @@ pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOption
         height: pixels,
         spp,
         seed: 1,
-        threads: 0,
-        camera,
-        subsurface: "random-walk".into(),
         max_depth: 1_000_000,
-        microfacet: Microfacet::Multiple,
-        aim: true,
+        ..RenderOptions::new(camera)
     }
 }
 
