@@ -1,5 +1,7 @@
 //! The program as users have it: what it accepts, what it says, how it ends, and what it leaves behind.
 
+#[path = "cli/animation.rs"]
+mod animation;
 #[path = "cli/compare_models.rs"]
 mod compare_models;
 #[path = "cli/convert.rs"]

@@ -292,18 +292,7 @@ fn picture(document: &Value, source: &str) -> Film {
         .unwrap_or_else(|error| panic!("{source}: {error}"));
     let camera = loaded.scene.cameras.first().unwrap_or_else(|| panic!("{source} has no camera")).clone();
     let scene = Scene::build(loaded.scene).unwrap_or_else(|error| panic!("{source}: {error}"));
-    let options = RenderOptions {
-        width: 32,
-        height: 24,
-        spp: 16,
-        seed: 1,
-        threads: 0,
-        camera,
-        subsurface: "random-walk".to_string(),
-        max_depth: 100_000,
-        microfacet: Default::default(),
-        aim: true,
-    };
+    let options = RenderOptions { width: 32, height: 24, spp: 16, seed: 1, ..RenderOptions::new(camera) };
     transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).film
 }
 

@@ -77,6 +77,8 @@ struct Strided {
 #[derive(Clone, Debug)]
 struct Sparse {
     indices: Vec<u32>,
+    /// Whether the indices increase, as they should.
+    sorted: bool,
     values: Strided,
 }
 
@@ -208,10 +210,11 @@ impl Loader<'_> {
             }
             list.push(index);
         }
-        if list.windows(2).any(|w| w[0] >= w[1]) {
+        let sorted = list.windows(2).all(|w| w[0] < w[1]);
+        if !sorted {
             self.invalid(indices.pointer(), "sparse indices do not increase")?;
         }
-        Ok(Sparse { indices: list, values: value_data })
+        Ok(Sparse { indices: list, sorted, values: value_data })
     }
 }
 
@@ -257,19 +260,38 @@ impl Accessor {
         self.shape == (components, 1)
     }
 
-    /// The elements as vectors of `N` numbers; missing components are zero, additional ones are left out.
-    pub fn floats<const N: usize>(&self) -> Vec<[f32; N]> {
+    /// Element `index` as `N` numbers, as [`floats`](Self::floats) has it; zeros where there is none. Meant for a few
+    /// elements of many: the others are not touched.
+    pub fn element<const N: usize>(&self, index: usize) -> [f32; N] {
+        let sparse = self.sparse.as_ref().and_then(|sparse| {
+            let wanted = u32::try_from(index).ok()?;
+            let place = if sparse.sorted {
+                sparse.indices.binary_search(&wanted).ok()?
+            } else {
+                sparse.indices.iter().rposition(|&i| i == wanted)?
+            };
+            sparse.values.bytes.get(place * sparse.values.stride..)
+        });
+        let plain = || self.data.as_ref()?.bytes.get(index.checked_mul(self.data.as_ref()?.stride)?..);
+        if index >= self.count { [0.0; N] } else { self.read(sparse.or_else(plain).unwrap_or_default()) }
+    }
+
+    /// The element that begins with these bytes; zeros without bytes.
+    fn read<const N: usize>(&self, bytes: &[u8]) -> [f32; N] {
         let (rows, columns) = self.shape;
         let size = self.component.size();
         let column_size = element_size(self.component, self.shape) / columns;
-        let read = |bytes: &[u8]| {
-            let mut element = [0.0; N];
-            for (k, slot) in element.iter_mut().enumerate().take(rows * columns) {
-                let at = (k / rows) * column_size + (k % rows) * size;
-                *slot = number(self.component, self.normalized, bytes.get(at..).unwrap_or_default());
-            }
-            element
-        };
+        let mut element = [0.0; N];
+        for (k, slot) in element.iter_mut().enumerate().take(rows * columns) {
+            let at = (k / rows) * column_size + (k % rows) * size;
+            *slot = number(self.component, self.normalized, bytes.get(at..).unwrap_or_default());
+        }
+        element
+    }
+
+    /// The elements as vectors of `N` numbers; missing components are zero, additional ones are left out.
+    pub fn floats<const N: usize>(&self) -> Vec<[f32; N]> {
+        let read = |bytes: &[u8]| self.read::<N>(bytes);
         let mut elements = match &self.data {
             Some(data) => {
                 (0..self.count).map(|i| read(data.bytes.get(i * data.stride..).unwrap_or_default())).collect()

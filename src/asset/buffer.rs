@@ -64,7 +64,7 @@ impl Loader<'_> {
     /// # Errors
     /// Where there is no such buffer, or not as many bytes as it promises.
     pub fn buffer(&mut self, index: usize, from: &str) -> Result<Bytes, AssetError> {
-        if let Some(bytes) = self.buffers.get(&index) {
+        if let Some(bytes) = self.cache.buffers.get(&index) {
             return Ok(bytes.clone());
         }
         let json = self.entry("buffers", index, from)?;
@@ -83,7 +83,7 @@ impl Loader<'_> {
                 format!("{length} bytes are promised, but there are only {}", all.len()),
             )
         })?;
-        self.buffers.insert(index, bytes.clone());
+        self.cache.buffers.insert(index, bytes.clone());
         Ok(bytes)
     }
 
@@ -92,7 +92,7 @@ impl Loader<'_> {
     /// # Errors
     /// Where there is no such view, or it reaches beyond its buffer.
     pub fn buffer_view(&mut self, index: usize, from: &str) -> Result<Bytes, AssetError> {
-        if let Some(bytes) = self.views.get(&index) {
+        if let Some(bytes) = self.cache.views.get(&index) {
             return Ok(bytes.clone());
         }
         let json = self.entry("bufferViews", index, from)?;
@@ -112,7 +112,7 @@ impl Loader<'_> {
                 })?
             }
         };
-        self.views.insert(index, bytes.clone());
+        self.cache.views.insert(index, bytes.clone());
         Ok(bytes)
     }
 

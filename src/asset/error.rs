@@ -156,6 +156,13 @@ impl AssetError {
         }
     }
 
+    /// What is wrong, without the place.
+    pub fn message(&self) -> String {
+        let text = self.to_string();
+        let prefix = prefix(self.pointer());
+        text.strip_prefix(&prefix).map_or(text.clone(), str::to_owned)
+    }
+
     /// What the user could do about it.
     pub fn advice(&self) -> Option<String> {
         match self {

@@ -14,6 +14,7 @@ use super::LoadOptions;
 use super::buffer::Bytes;
 use super::error::{AssetError, Diagnostic, Severity};
 use super::json::Json;
+use super::opened::Cache;
 use crate::scene::SceneDescription;
 
 /// Diagnostics beyond this many are counted, not kept.
@@ -22,7 +23,7 @@ const MOST_DIAGNOSTICS: usize = 500;
 /// Longer lists of factors are not read to the end.
 const MOST_FACTORS: usize = 17;
 
-/// Index of a mesh of the file, bits of the weights of its morph targets, and index of its skin.
+/// Index of a mesh of the file, bits of the weights of its morph targets, and index of the node that skins it.
 type MeshKey = (usize, (Vec<u32>, Option<usize>));
 
 /// An asset while it is being read.
@@ -31,14 +32,14 @@ pub struct Loader<'a> {
     pub(crate) options: &'a LoadOptions,
     pub(crate) folder: &'a Path,
     pub(crate) bin: Option<Bytes>,
-    pub(crate) buffers: HashMap<usize, Bytes>,
-    pub(crate) views: HashMap<usize, Bytes>,
+    pub(crate) cache: Cache,
     pub(crate) textures: HashMap<usize, Option<usize>>,
     pub(crate) images: HashMap<usize, usize>,
     pub(crate) image_sources: Vec<usize>,
     pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
     pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
     pub(crate) worlds: Vec<Option<glam::DAffine3>>,
+    pub(crate) parents: Option<Vec<Option<usize>>>,
     pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
     pub(crate) totals: Totals,
@@ -58,6 +59,7 @@ pub(crate) struct Totals {
     pub triangles: u64,
     pub image_bytes: u64,
     pub file_bytes: u64,
+    pub pose_elements: u64,
     pub collapsed: usize,
 }
 
@@ -68,14 +70,14 @@ impl<'a> Loader<'a> {
             options,
             folder,
             bin: None,
-            buffers: HashMap::new(),
-            views: HashMap::new(),
+            cache: Cache::default(),
             textures: HashMap::new(),
             images: HashMap::new(),
             image_sources: Vec::new(),
             meshes: HashMap::new(),
             skins: HashMap::new(),
             worlds: Vec::new(),
+            parents: None,
             declared: HashSet::new(),
             bounds: HashMap::new(),
             totals: Totals::default(),
@@ -85,6 +87,12 @@ impl<'a> Loader<'a> {
             told: HashSet::new(),
             untold: 0,
         }
+    }
+
+    /// Goes on where another one stopped that has not begun to read the scene.
+    pub(crate) fn continuing(self, other: Loader<'_>) -> Self {
+        let Loader { bin, cache, declared, totals, diagnostics, told, untold, .. } = other;
+        Self { bin, cache, declared, totals, diagnostics, told, untold, ..self }
     }
 
     /// The document.

@@ -36,7 +36,7 @@ impl Loader<'_> {
             self.invalid(json.pointer(), "has no primitives")?;
         }
         for primitive in list {
-            if let Some(mut read) = self.primitive(&primitive)? {
+            if let Some(mut read) = self.primitive(&primitive, pose.is_skinned())? {
                 self.morph(&mut read, &primitive, pose)?;
                 self.skinned(&mut read, &primitive, pose)?;
                 self.clean(&mut read, &primitive);
@@ -96,6 +96,10 @@ impl Loader<'_> {
                 let message = format!("{bad} of {} normals have no direction", primitive.normals.len());
                 self.warn(&format!("{}/NORMAL", json.pointer_to("attributes")), message, None);
             }
+        }
+        if primitive.morphed_colors {
+            let shown = |c: Vec4| if c.is_finite() { c.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::ONE };
+            primitive.colors.iter_mut().for_each(|c| *c = shown(*c));
         }
         for uv in primitive.uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {
             *uv = Vec2::ZERO;

@@ -17,6 +17,7 @@
 //! ```
 
 mod accessor;
+mod animation;
 mod buffer;
 mod camera;
 pub(crate) mod container;
@@ -28,10 +29,13 @@ mod json;
 mod loader;
 mod material;
 mod mesh;
+mod morph;
 mod node;
+mod opened;
 mod place;
 mod pose;
 mod primitive;
+mod skin;
 mod summary;
 mod tangent;
 mod texture;
@@ -41,11 +45,13 @@ pub(crate) mod uri;
 use std::path::Path;
 
 pub use accessor::{Accessor, Component};
+pub use animation::{AnimationSummary, Moment, MutableProperty, PropertyKind};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
 pub use json::Json;
 pub use loader::Loader;
 pub use node::NodeContext;
+pub use opened::Asset;
 pub use primitive::DecodedPrimitive;
 pub use summary::*;
 pub use topology::Topology;
@@ -87,6 +93,8 @@ pub struct Limits {
     pub triangles: u64,
     /// Bytes of all decoded images together: 4 a pixel, 8 for 16-bit images.
     pub image_bytes: u64,
+    /// Elements of morph targets, joint influences and keyframes that are read, together.
+    pub pose_elements: u64,
 }
 
 impl Default for Limits {
@@ -99,6 +107,7 @@ impl Default for Limits {
             vertices: 50_000_000,
             triangles: 50_000_000,
             image_bytes: 1 << 30,
+            pose_elements: 1_000_000_000,
         }
     }
 }
@@ -114,14 +123,14 @@ pub struct Loaded {
     pub summary: Summary,
 }
 
-/// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell.
+/// Loads a `.gltf` or `.glb` file as it is at rest; which of them it is, its first bytes tell. [`Asset`] has the
+/// moments of its animations.
 ///
 /// # Errors
 /// Where the file cannot be read, is not glTF 2.0, refers to what is not there, requires an extension that is not in
 /// the registry, or asks for more than the limits.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
-    let bytes = uri::document(path, options.limits.file_bytes)?;
-    load_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
+    Asset::open(path, options)?.load(&Moment::default())
 }
 
 /// Loads the bytes of a `.gltf` or `.glb` file whose relative URIs are below `folder`.
@@ -129,28 +138,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
 /// # Errors
 /// As [`load`].
 pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
-    let bytes = Bytes::from(bytes);
-    let parts = container::split(&bytes)?;
-    let json_bytes = bytes.get(parts.json).unwrap_or_default();
-    let (document, duplicates) = container::parse(json_bytes, options.limits.json_values)?;
-    let mut loader = Loader::new(&document, options, folder);
-    loader.totals.file_bytes = bytes.len() as u64;
-    loader.bin = parts.bin.and_then(|range| bytes.slice(range.start, range.len()));
-    for oddity in parts.oddities {
-        loader.invalid("", oddity)?;
-    }
-    for key in duplicates {
-        let key = error::shorten(&key);
-        loader.invalid("", format!("the key `{key}` occurs twice in one object; the last one counts"))?;
-    }
-    loader.version()?;
-    let extensions = loader.extensions()?;
-    loader.read()?;
-    loader.decode_images()?;
-    loader.afterthoughts()?;
-    let summary = Summary::new(&loader, extensions);
-    let (scene, diagnostics) = loader.finish();
-    Ok(Loaded { scene, diagnostics, summary })
+    Asset::from_bytes(bytes, folder, options)?.load(&Moment::default())
 }
 
 impl<'a> Loader<'a> {
@@ -255,7 +243,7 @@ impl<'a> Loader<'a> {
     }
 
     /// What is worth telling once everything has been read.
-    fn afterthoughts(&mut self) -> Result<(), AssetError> {
+    fn afterthoughts(&mut self, played: bool) -> Result<(), AssetError> {
         if self.scene.instances.is_empty() {
             self.warn("", "there is nothing to see in the scene", None);
         }
@@ -263,40 +251,8 @@ impl<'a> Loader<'a> {
         if collapsed > 0 {
             self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
         }
-        if self.count("animations") > 0 {
+        if self.count("animations") > 0 && !played {
             self.note("/animations", "animations are not played; the scene is shown as it is at rest");
-        }
-        for index in 0..self.count("animations") {
-            if let Err(e) = self.check_animation(index) {
-                let pointer = e.pointer().to_owned();
-                let text = e.to_string();
-                let text = text.strip_prefix(&format!("{pointer}: ")).unwrap_or(&text);
-                self.invalid(&pointer, text)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether an animation, although it is not played, refers to what is there.
-    fn check_animation(&self, index: usize) -> Result<(), AssetError> {
-        let json = self.entry("animations", index, "/animations")?;
-        let samplers = json.array("samplers")?;
-        for sampler in &samplers {
-            for key in ["input", "output"] {
-                if let Some(accessor) = sampler.usize(key)? {
-                    self.entry("accessors", accessor, &sampler.pointer_to(key))?;
-                }
-            }
-        }
-        for channel in json.array("channels")? {
-            if channel.usize("sampler")?.is_none_or(|s| s >= samplers.len()) {
-                return Err(channel.error_at("sampler", "there is no such sampler"));
-            }
-            if let Some(target) = channel.object("target")?
-                && let Some(node) = target.usize("node")?
-            {
-                self.entry("nodes", node, &target.pointer_to("node"))?;
-            }
         }
         Ok(())
     }

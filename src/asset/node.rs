@@ -137,7 +137,7 @@ impl Loader<'_> {
                 }
             }
             let copies = copies.unwrap_or_else(|| vec![DAffine3::IDENTITY]);
-            let pose = self.pose(&json, mesh)?;
+            let pose = self.pose(&json, mesh, node)?;
             let world = if pose.is_skinned() { DAffine3::IDENTITY } else { node.world };
             if let Some(mesh) = self.mesh(mesh, &json.pointer_to("mesh"), &pose)? {
                 for copy in copies {
@@ -158,7 +158,7 @@ impl Loader<'_> {
     }
 
     /// The node's own transform.
-    fn local(&mut self, json: &Json<'_>) -> Result<DAffine3, AssetError> {
+    pub(crate) fn local(&mut self, json: &Json<'_>) -> Result<DAffine3, AssetError> {
         if let Some(m) = json.numbers::<16>("matrix")? {
             let matrix = DMat4::from_cols_array(&m);
             if matrix.row(3) != glam::DVec4::W {

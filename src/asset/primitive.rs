@@ -34,14 +34,33 @@ pub(crate) struct Primitive {
     pub colors: Vec<Vec4>,
     pub triangles: Vec<[u32; 3]>,
     pub material: u32,
+    /// Read only for skins.
+    pub influences: Vec<Influences>,
+    /// Whether morph targets displaced the colours, which then have to be brought back to \[0, 1\].
+    pub morphed_colors: bool,
 }
+
+/// Four influences of joints on each vertex: `JOINTS_n` and `WEIGHTS_n`.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Influences {
+    pub joints: Vec<[f32; 4]>,
+    pub weights: Vec<[f32; 4]>,
+}
+
+/// Sets of four influences beyond this many are not read.
+const MOST_INFLUENCE_SETS: usize = 64;
 
 /// Elements of an attribute and the number of their components.
 type Elements = (usize, Vec<[f32; 4]>);
 
 impl Loader<'_> {
-    /// Reads a primitive; `None`, with a message, if it has no triangles.
-    pub(crate) fn primitive(&mut self, json: &Json<'_>) -> Result<Option<Primitive>, AssetError> {
+    /// Reads a primitive, with the influences of joints if it is `skinned`; `None`, with a message, if it has no
+    /// triangles.
+    pub(crate) fn primitive(
+        &mut self,
+        json: &Json<'_>,
+        skinned: bool,
+    ) -> Result<Option<Primitive>, AssetError> {
         json.as_object()?;
         let topology = match json.usize("mode")?.unwrap_or(4) {
             4 => Topology::Triangles,
@@ -108,6 +127,26 @@ impl Loader<'_> {
             let alpha = |c: Vec4| if width == 3 { c.truncate().extend(1.0) } else { c };
             let finite = |c: Vec4| if c.is_finite() { c.max(Vec4::ZERO) } else { Vec4::ONE };
             out.colors = colors.into_iter().map(|c| finite(alpha(Vec4::from(c)))).collect();
+        }
+        for set in 0.. {
+            let keys = [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")];
+            if !skinned || attributes.get(&keys[0]).is_none() {
+                break;
+            }
+            if set == MOST_INFLUENCE_SETS {
+                let message = format!("more than {} influences on a vertex; others are ignored", 4 * set);
+                self.warn(&attributes.pointer_to(&keys[0]), message, None);
+                break;
+            }
+            if attributes.get(&keys[1]).is_none() {
+                self.invalid(&attributes.pointer_to(&keys[0]), format!("has no {}; it is ignored", keys[1]))?;
+                break;
+            }
+            let joints = fitting(self, &keys[0], &[4])?;
+            let weights = fitting(self, &keys[1], &[4])?;
+            if let (Some((_, joints)), Some((_, weights))) = (joints, weights) {
+                out.influences.push(Influences { joints, weights });
+            }
         }
         let indices = match decoded.indices.take() {
             Some(indices) => indices,
@@ -190,20 +229,19 @@ impl Loader<'_> {
         Ok(elements)
     }
 
-    /// Colours and texture coordinates in integers are fractions, even where the file forgot to say so; other integers
-    /// need KHR_mesh_quantization.
-    fn promote(
+    /// Colours and weights in integers are fractions, even where the file forgot to say so; positions, normals and
+    /// tangents in integers need KHR_mesh_quantization.
+    pub(crate) fn promote(
         &mut self,
         accessor: &mut Accessor,
         attributes: &Json<'_>,
         key: &str,
     ) -> Result<(), AssetError> {
         let integer = accessor.component != Component::F32;
-        if integer && !accessor.normalized && key.starts_with("COLOR") {
-            self.invalid(
-                &attributes.pointer_to(key),
-                "integer colours must be `normalized`; they are taken to be",
-            )?;
+        if integer && !accessor.normalized && (key.starts_with("COLOR") || key.starts_with("WEIGHTS")) {
+            let what = if key.starts_with("COLOR") { "colours" } else { "weights" };
+            let message = format!("integer {what} must be `normalized`; they are taken to be");
+            self.invalid(&attributes.pointer_to(key), message)?;
             accessor.normalized = true;
         }
         if integer && matches!(key, "POSITION" | "NORMAL" | "TANGENT") && !self.uses("KHR_mesh_quantization")

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::animation::AnimationSummary;
 use super::loader::Loader;
 use crate::scene::{AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, SceneDescription};
 
@@ -37,8 +38,8 @@ pub struct Summary {
     pub cameras: Vec<CameraSummary>,
     /// Punctual lights of the scene.
     pub lights: Vec<LightSummary>,
-    /// Names of all animations of the file; they are not played.
-    pub animations: Vec<String>,
+    /// All animations of the file.
+    pub animations: Vec<AnimationSummary>,
     /// Extensions that the file uses, and what becomes of each.
     pub extensions: Vec<ExtensionSummary>,
 }
@@ -169,7 +170,11 @@ pub struct ExtensionSummary {
 }
 
 impl Summary {
-    pub(crate) fn new(loader: &Loader<'_>, extensions: Vec<ExtensionSummary>) -> Self {
+    pub(crate) fn new(
+        loader: &Loader<'_>,
+        extensions: Vec<ExtensionSummary>,
+        animations: Vec<AnimationSummary>,
+    ) -> Self {
         let (document, scene) = (loader.document, &loader.scene);
         let text =
             |key: &str| document.pointer(&format!("/asset/{key}")).and_then(Value::as_str).map(str::to_owned);
@@ -190,7 +195,7 @@ impl Summary {
             images: images(scene),
             cameras: cameras(scene),
             lights: lights(scene),
-            animations: names(document, "animations", "animation"),
+            animations,
             extensions,
         }
     }

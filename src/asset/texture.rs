@@ -3,6 +3,8 @@
 //! Only what a material uses is decoded. An image that cannot be decoded does not end the load: the references to it
 //! are taken back, as if the material had no such texture.
 
+use std::sync::Arc;
+
 use glam::Affine2;
 use rayon::prelude::*;
 
@@ -145,7 +147,7 @@ impl Loader<'_> {
             Ok(Some(uri)) if uri.len() <= 256 && !uri.starts_with("data:") => uri.to_owned(),
             _ => format!("image {index}"),
         });
-        self.scene.images.push(placeholder(name));
+        self.scene.images.push(Arc::new(placeholder(name)));
         self.image_sources.push(index);
         let slot = self.scene.images.len() - 1;
         self.images.insert(index, slot);
@@ -158,10 +160,19 @@ impl Loader<'_> {
         let limits = &self.options.limits;
         let registry = &self.options.registry;
         let mut usable = vec![false; sources.len()];
-        for first in (0..sources.len()).step_by(DECODED_TOGETHER) {
-            let together = first..(first + DECODED_TOGETHER).min(sources.len());
+        let mut fresh = Vec::new();
+        for (slot, source) in sources.iter().enumerate() {
+            match self.cache.images.get(source) {
+                Some(image) => {
+                    self.scene.images[slot] = Arc::clone(image);
+                    usable[slot] = true;
+                }
+                None => fresh.push(slot),
+            }
+        }
+        for together in fresh.chunks(DECODED_TOGETHER) {
             let mut files = Vec::new();
-            for slot in together.clone() {
+            for &slot in together {
                 let pointer = format!("/images/{}", sources[slot]);
                 let file = self.image_file(sources[slot])?;
                 self.totals.image_bytes += file.as_ref().and_then(|b| image::decoded_bytes(b)).unwrap_or(0);
@@ -173,11 +184,13 @@ impl Loader<'_> {
             let decode =
                 |file: &Option<super::Bytes>| file.as_ref().map(|b| image::decode(b, registry, limits));
             let decoded: Vec<Option<Result<ImageData, String>>> = files.par_iter().map(decode).collect();
-            for (slot, result) in together.zip(decoded) {
+            for (&slot, result) in together.iter().zip(decoded) {
                 match result {
                     Some(Ok(image)) => {
-                        let name = std::mem::take(&mut self.scene.images[slot].name);
-                        self.scene.images[slot] = ImageData { name, ..image };
+                        let name = self.scene.images[slot].name.clone();
+                        let image = Arc::new(ImageData { name, ..image });
+                        self.scene.images[slot] = Arc::clone(&image);
+                        self.cache.images.insert(sources[slot], image);
                         usable[slot] = true;
                     }
                     Some(Err(message)) => {

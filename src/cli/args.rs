@@ -1,6 +1,7 @@
 //! What can be typed. Values are checked one by one in [`super::values`]; what they mean together is decided in
 //! [`super::job`].
 
+use super::animation::{PlayArgs, shutter};
 use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
 use super::pipeline::{Cosines, Microfacet};
 use super::values::*;
@@ -61,6 +62,8 @@ pub(super) struct SceneArgs {
     /// Materials of a variant of the file (KHR_materials_variants) [default: what the file shows by itself]
     #[arg(long, value_name = "NAME|INDEX")]
     pub variant: Option<String>,
+    #[command(flatten)]
+    pub play: PlayArgs,
 
     /// Light from all around: an equirectangular .hdr or .exr, the built-in studio, none, or one radiance; by default
     /// the studio if the file has no lights, else none
@@ -139,6 +142,15 @@ pub(super) struct RenderArgs {
     /// How light travels below surfaces
     #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
     pub subsurface: String,
+
+    /// Leave the shutter open, so that what moves is blurred: from --at on for so many seconds, or from OPEN to CLOSE
+    /// seconds after it
+    #[arg(long, value_name = "SECONDS|OPEN,CLOSE", value_parser = shutter, allow_hyphen_values = true)]
+    pub shutter: Option<[f64; 2]>,
+
+    /// Moments that an open shutter sees, at most one a sample; each is a scene to build
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub shutter_slices: u32,
 
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -246,6 +258,9 @@ pub(super) struct InspectArgs {
     /// Scene of the file [default: the file's own choice]
     #[arg(long, value_name = "N")]
     pub scene: Option<usize>,
+
+    #[command(flatten)]
+    pub play: PlayArgs,
 
     /// Print JSON
     #[arg(long)]

@@ -11,6 +11,7 @@
 //! | 2 | the command line makes no sense |
 //! | 130 | interrupted; what was rendered has been written, if anything was |
 
+mod animation;
 mod args;
 mod author_args;
 mod author_values;

@@ -4,7 +4,7 @@
 use super::Failure;
 use super::message::Reporter;
 use super::values::EnvArg;
-use crate::asset::{self, environment::load_environment};
+use crate::asset::{self, AssetError, environment::load_environment};
 use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
 use crate::scene::{
@@ -15,12 +15,12 @@ use crate::{subsurface, transport};
 use glam::Vec3;
 use std::path::Path;
 
-pub(super) use crate::asset::{Diagnostic, Loaded, Severity, Summary};
+pub(super) use crate::asset::{Asset, Diagnostic, Loaded, Moment, Severity, Summary};
 pub(super) use crate::optics::Microfacet;
 pub(super) use crate::optics::diffusion::Cosines;
 pub(super) use crate::scene::Scene;
 pub(super) use crate::subsurface::Registry;
-pub(super) use crate::transport::{RenderControl, RenderOptions, RenderStats, Rendered};
+pub(super) use crate::transport::{RenderControl, RenderOptions, RenderStats, Rendered, Shutter};
 
 /// Names of the subsurface models.
 pub(super) fn subsurface_models() -> Vec<String> {
@@ -35,21 +35,28 @@ pub(super) fn models(cosines: Cosines) -> Registry {
     models
 }
 
-/// Loads a glTF file.
-pub(super) fn load(
+/// Opens a glTF file.
+pub(super) fn open(
     path: &Path,
     scene: Option<usize>,
     variant: Option<&str>,
     strict: bool,
-) -> Result<Loaded, Failure> {
+) -> Result<Asset, Failure> {
     let variant = variant.map(str::to_owned);
     let options = asset::LoadOptions { scene, variant, strict, ..Default::default() };
-    asset::load(path, &options).map_err(|error| {
-        let text = error.to_string();
-        let shown = path.display().to_string();
-        let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
-        Failure::Cannot { message, advice: error.advice() }
-    })
+    Asset::open(path, &options).map_err(|error| cannot_load(path, &error))
+}
+
+/// Reads the scene of a glTF file at a moment.
+pub(super) fn load(path: &Path, asset: &mut Asset, moment: &Moment) -> Result<Loaded, Failure> {
+    asset.load(moment).map_err(|error| cannot_load(path, &error))
+}
+
+fn cannot_load(path: &Path, error: &AssetError) -> Failure {
+    let text = error.to_string();
+    let shown = path.display().to_string();
+    let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
+    Failure::Cannot { message, advice: error.advice() }
 }
 
 /// Compiles a scene.
@@ -65,6 +72,23 @@ pub(super) fn render(
     control: &dyn RenderControl,
 ) -> Result<Rendered, Failure> {
     transport::render_with(scene, options, control, models).map_err(Failure::cannot)
+}
+
+/// Renders a picture while the shutter is open; `pose` gives the scene and the camera of a moment.
+pub(super) fn render_shutter(
+    shutter: &Shutter,
+    options: &RenderOptions,
+    models: &Registry,
+    control: &dyn RenderControl,
+    pose: impl FnMut(f64) -> Result<(Scene, CameraDescription), Failure>,
+) -> Result<Rendered, Failure> {
+    transport::render_shutter(shutter, options, control, models, pose)
+}
+
+impl From<transport::RenderError> for Failure {
+    fn from(error: transport::RenderError) -> Self {
+        Self::cannot(error)
+    }
 }
 
 /// Everything a render counts, by name, in a fixed order.

@@ -6,11 +6,12 @@ use super::interrupt;
 use super::job::file_name;
 use super::message::Reporter;
 use super::names;
-use super::pipeline::{self, Cosines, Microfacet, RenderOptions, RenderStats, Scene};
+use super::pipeline::{self, Asset, Cosines, Microfacet, Moment, RenderOptions, RenderStats, Scene};
 use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::{EnvArg, GroundArg};
 use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
+use glam::Vec3;
 use serde_json::{Value, json};
 
 /// Aspect ratios that differ by less than this are the same.
@@ -35,8 +36,13 @@ pub(super) struct Prepared {
     pub height: u32,
     /// Height of a ground that catches shadows.
     pub ground: Option<f32>,
+    /// Of the scene without a ground.
+    bounds: Option<[Vec3; 2]>,
     /// What the environment is called in the files written.
     pub environment: String,
+    /// The file, for other moments.
+    asset: Asset,
+    pub moment: Moment,
     pub load_seconds: f64,
     pub build_seconds: f64,
 }
@@ -46,12 +52,20 @@ impl Prepared {
     pub fn new(
         args: &SceneArgs,
         size: Size,
+        shutter: Option<[f64; 2]>,
         reporter: &Reporter,
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let mut watch = Stopwatch::start();
-        progress.phase(&format!("loading {}", file_name(&args.input)));
-        let loaded = pipeline::load(&args.input, args.scene, args.variant.as_deref(), args.strict);
+        let loading = format!("loading {}", file_name(&args.input));
+        progress.phase(&loading);
+        let asset = pipeline::open(&args.input, args.scene, args.variant.as_deref(), args.strict);
+        progress.clear();
+        let mut asset = asset?;
+        let mut moment = args.play.moment(&asset, shutter.is_some(), reporter)?;
+        moment.time += shutter.map_or(0.0, |[open, _]| open);
+        progress.phase(&loading);
+        let loaded = pipeline::load(&args.input, &mut asset, &moment);
         progress.clear();
         let loaded = loaded?;
         reporter.diagnostics(&loaded.diagnostics);
@@ -62,6 +76,7 @@ impl Prepared {
         say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
+        let bounds = description.bounds();
         let ground = set_ground(args.ground, &mut description, reporter);
         let load_seconds = watch.lap();
         interrupt::check()?;
@@ -74,7 +89,32 @@ impl Prepared {
         warn_of_open_media(&scene, reporter);
         interrupt::check()?;
         let environment = environment_name(args.env.as_ref(), is_studio);
-        Ok(Self { scene, camera, width, height, ground, environment, load_seconds, build_seconds })
+        Ok(Self {
+            scene,
+            camera,
+            width,
+            height,
+            ground,
+            bounds,
+            environment,
+            asset,
+            moment,
+            load_seconds,
+            build_seconds,
+        })
+    }
+
+    /// The scene and the camera at another moment, under the light and on the ground of this one. A camera that frames the
+    /// scene stays where it is, and so does one that is not there at that moment.
+    pub fn at(&mut self, time: f64, args: &SceneArgs) -> Result<(Scene, CameraDescription), Failure> {
+        let moment = Moment { time, ..self.moment.clone() };
+        let mut description = pipeline::load(&args.input, &mut self.asset, &moment)?.scene;
+        let camera = choose_camera(args.camera.as_deref(), &description).ok().flatten().cloned();
+        description.environment = self.scene.description.environment.clone();
+        if let (GroundArg::Color(reflectance), Some(bounds)) = (args.ground, self.bounds) {
+            description.add_ground_below(bounds, reflectance);
+        }
+        Ok((pipeline::build(description)?, camera.unwrap_or_else(|| self.camera.clone())))
     }
 
     /// What to render with one model.
@@ -83,6 +123,7 @@ impl Prepared {
             width: self.width,
             height: self.height,
             spp,
+            first_sample: 0,
             seed: args.seed,
             threads: args.threads.unwrap_or(0),
             camera: self.camera.clone(),
@@ -125,6 +166,10 @@ impl Prepared {
         }
         if let Some(scene) = args.scene {
             recorded["scene"] = json!(scene);
+        }
+        if !self.moment.animations.is_empty() {
+            recorded["animations"] = json!(self.moment.animations);
+            recorded["at"] = json!(args.play.at.unwrap_or(0.0));
         }
         recorded
     }

@@ -8,6 +8,7 @@
 //! A crate that uses nephrite adds its own with [`Registry::register`] and passes the registry in
 //! [`LoadOptions`](crate::asset::LoadOptions). An extension of the same name replaces the one that was there.
 
+mod animation_pointer;
 mod anisotropy;
 mod clearcoat;
 mod diffuse_transmission;
@@ -34,7 +35,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use crate::asset::{AssetError, Bytes, DecodedPrimitive, Json, Limits, Loader, NodeContext};
+use crate::asset::{AssetError, Bytes, DecodedPrimitive, Json, Limits, Loader, MutableProperty, NodeContext};
 use crate::scene::{ImageData, MaterialDescription, TextureRef};
 
 /// Usual values of [`Extension::order`]; anything between is allowed.
@@ -188,6 +189,25 @@ pub trait Extension: Send + Sync {
         Ok(())
     }
 
+    /// The JSON pointer of the property that a channel of an animation changes; `None` to leave that to core glTF.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn animation_target(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+    ) -> Result<Option<String>, AssetError> {
+        let _ = (loader, own);
+        Ok(None)
+    }
+
+    /// The properties of this extension that animations may change, apart from those that the Object Model of glTF 2.0
+    /// lists. Those of `KHR_texture_transform` are included, whichever texture it is on.
+    fn mutable_properties(&self) -> &[MutableProperty] {
+        &[]
+    }
+
     /// Reads the extension of the document, or of the scene that is shown, before anything else is read.
     ///
     /// # Errors
@@ -213,7 +233,8 @@ impl Registry {
     /// The extensions of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::empty();
-        let table: [Box<dyn Extension>; 22] = [
+        let table: [Box<dyn Extension>; 23] = [
+            Box::new(animation_pointer::AnimationPointer),
             Box::new(anisotropy::Anisotropy),
             Box::new(clearcoat::Clearcoat),
             Box::new(diffuse_transmission::DiffuseTransmission),

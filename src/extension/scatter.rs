@@ -10,13 +10,32 @@
 use glam::Vec3;
 
 use super::{Extension, order};
-use crate::asset::{AssetError, Json, Loader};
+use crate::asset::{AssetError, Json, Loader, MutableProperty, PropertyKind};
 use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
 use crate::scene::layers::ThinScatter;
 use crate::scene::{ColorSpace, MaterialDescription};
 
 /// Stands for the anisotropy ±1, which files have and at which scattering changes nothing.
 const MOST_ANISOTROPIC: f64 = 0.999;
+
+/// What animations may change.
+const SCATTER_MUTABLE: [MutableProperty; 3] = [
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_scatter/scatterStrengthFactor",
+        kind: PropertyKind::Float,
+        range: [0.0, 1.0],
+    },
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_scatter/multiscatterColorFactor",
+        kind: PropertyKind::Float3,
+        range: [0.0, 1.0],
+    },
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_scatter/scatterAnisotropy",
+        kind: PropertyKind::Float,
+        range: [-1.0, 1.0],
+    },
+];
 
 pub(super) struct Scatter;
 
@@ -27,6 +46,10 @@ impl Extension for Scatter {
 
     fn order(&self) -> i32 {
         order::SCATTER
+    }
+
+    fn mutable_properties(&self) -> &[MutableProperty] {
+        &SCATTER_MUTABLE
     }
 
     fn shortfall(&self) -> Option<&str> {
@@ -62,6 +85,25 @@ impl Extension for Scatter {
     }
 }
 
+/// What animations may change.
+const VOLUME_SCATTER_MUTABLE: [MutableProperty; 3] = [
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_volume_scatter/multiscatterColorFactor",
+        kind: PropertyKind::Float3,
+        range: [0.0, 1.0],
+    },
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_volume_scatter/multiscatterColor",
+        kind: PropertyKind::Float3,
+        range: [0.0, 1.0],
+    },
+    MutableProperty {
+        template: "/materials/{}/extensions/KHR_materials_volume_scatter/scatterAnisotropy",
+        kind: PropertyKind::Float,
+        range: [-1.0, 1.0],
+    },
+];
+
 pub(super) struct VolumeScatter;
 
 impl Extension for VolumeScatter {
@@ -71,6 +113,10 @@ impl Extension for VolumeScatter {
 
     fn order(&self) -> i32 {
         order::VOLUME_SCATTER
+    }
+
+    fn mutable_properties(&self) -> &[MutableProperty] {
+        &VOLUME_SCATTER_MUTABLE
     }
 
     fn shortfall(&self) -> Option<&str> {

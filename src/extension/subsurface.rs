@@ -8,7 +8,8 @@ use glam::Vec3;
 
 use super::volume::MAX_COEFFICIENT;
 use super::{Extension, ior, order, transmission};
-use crate::asset::{AssetError, Json, Loader};
+use crate::asset::PropertyKind::{self, Float, Float3};
+use crate::asset::{AssetError, Json, Loader, MutableProperty};
 use crate::scene::{AlphaMode, ColorSpace, MaterialDescription, MediumDescription};
 
 const NAME: &str = "NEPHRITE_materials_subsurface";
@@ -25,6 +26,37 @@ const PROPERTIES: [&str; 10] = [
     "extensions",
     "extras",
 ];
+
+/// What the specification lists under “glTF Object Model”. Splines end where the specification's ranges do.
+const MUTABLE: [MutableProperty; 5] = [
+    mutable(
+        "/materials/{}/extensions/NEPHRITE_materials_subsurface/absorptionCoefficient",
+        Float3,
+        [0.0, MAX],
+    ),
+    mutable(
+        "/materials/{}/extensions/NEPHRITE_materials_subsurface/scatteringCoefficient",
+        Float3,
+        [0.0, MAX],
+    ),
+    mutable(
+        "/materials/{}/extensions/NEPHRITE_materials_subsurface/scatterAnisotropy",
+        Float,
+        [-MAX_G, MAX_G],
+    ),
+    mutable("/materials/{}/extensions/NEPHRITE_materials_subsurface/ior", Float, [1.0, MAX]),
+    mutable("/materials/{}/extensions/NEPHRITE_materials_subsurface/densityFactor", Float, [0.0, MAX]),
+];
+
+/// No upper bound of its own.
+const MAX: f64 = f64::MAX;
+
+/// The mean cosine lies between −1 and 1, both excluded.
+const MAX_G: f64 = 0.999_999;
+
+const fn mutable(template: &'static str, kind: PropertyKind, range: [f64; 2]) -> MutableProperty {
+    MutableProperty { template, kind, range }
+}
 
 /// The index where nothing states one.
 const DEFAULT_IOR: f32 = 1.5;
@@ -44,6 +76,10 @@ impl Extension for Subsurface {
 
     fn order(&self) -> i32 {
         order::SUBSURFACE
+    }
+
+    fn mutable_properties(&self) -> &[MutableProperty] {
+        &MUTABLE
     }
 
     fn material(

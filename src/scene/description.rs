@@ -3,6 +3,8 @@
 //! The loader fills it, tests build it by hand, and the tracer compiles it. Nothing here knows glTF beyond the
 //! meaning of its parameters, and nothing here traces a ray. Indices refer to the vectors of [`SceneDescription`].
 
+use std::sync::Arc;
+
 use super::Layers;
 use glam::{Affine2, Affine3A, Vec2, Vec3, Vec4};
 
@@ -15,8 +17,8 @@ pub struct SceneDescription {
     pub materials: Vec<MaterialDescription>,
     /// Textures: an image with a sampler.
     pub textures: Vec<TextureDescription>,
-    /// Decoded images.
-    pub images: Vec<ImageData>,
+    /// Decoded images, which several descriptions may share.
+    pub images: Vec<Arc<ImageData>>,
     /// Placed meshes. One instance is one *object*: exit points are searched on, and media belong to, an object.
     pub instances: Vec<InstanceDescription>,
     /// Cameras, in the order of the file's node traversal.

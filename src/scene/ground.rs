@@ -23,14 +23,21 @@ impl SceneDescription {
 
     /// The height of a horizontal plane just below everything; `None` for a scene without anything.
     pub fn ground_height(&self) -> Option<f32> {
-        let [low, high] = self.bounds()?;
-        Some((low.y - GAP * (high - low).max_element()).min(low.y.next_down()))
+        self.bounds().map(height_below)
     }
 
     /// Adds a large matte disk of that linear reflectance (0 … 1) just below everything. False: there is nothing.
     pub fn add_ground(&mut self, reflectance: Vec3) -> bool {
-        let (Some([low, high]), Some(height)) = (self.bounds(), self.ground_height()) else { return false };
-        let center = (0.5 * (low + high)).with_y(height);
+        let bounds = self.bounds();
+        if let Some(bounds) = bounds {
+            self.add_ground_below(bounds, reflectance);
+        }
+        bounds.is_some()
+    }
+
+    /// As [`Self::add_ground`], below a box from a lower to an upper corner: for a scene that moves above it.
+    pub fn add_ground_below(&mut self, [low, high]: [Vec3; 2], reflectance: Vec3) {
+        let center = (0.5 * (low + high)).with_y(height_below([low, high]));
         let radius = (REACH * 0.5 * (high - low).length()).max(f32::MIN_POSITIVE);
         let corner = |i: u32| {
             let (sin, cos) = (TAU * i as f32 / CORNERS as f32).sin_cos();
@@ -60,8 +67,11 @@ impl SceneDescription {
             mesh: self.meshes.len() - 1,
             transform: Affine3A::from_translation(center),
         });
-        true
     }
+}
+
+fn height_below([low, high]: [Vec3; 2]) -> f32 {
+    (low.y - GAP * (high - low).max_element()).min(low.y.next_down())
 }
 
 #[cfg(test)]

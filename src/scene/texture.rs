@@ -5,7 +5,7 @@
 //! (IEC 61966-2-1) before they are blended; alpha is never encoded. Missing data read as white, so that a factor
 //! alone remains.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use glam::{Vec2, Vec4};
 
@@ -38,7 +38,7 @@ impl<'a> TextureSampler<'a> {
     /// Looks up what a reference refers to; `None` if it is not there or has no pixels.
     pub fn new(
         textures: &'a [TextureDescription],
-        images: &'a [ImageData],
+        images: &'a [Arc<ImageData>],
         reference: &TextureRef,
     ) -> Option<Self> {
         let texture = *textures.get(reference.texture)?;
@@ -204,12 +204,12 @@ mod tests {
         let texel = |v: u8, a: u8| [v, v, v, a];
         let pixels = [texel(0, 255), texel(51, 255), texel(102, 0), texel(255, 255)].concat();
         SceneDescription {
-            images: vec![ImageData {
+            images: vec![Arc::new(ImageData {
                 name: String::new(),
                 width: 2,
                 height: 2,
                 pixels: ImagePixels::Rgba8(pixels),
-            }],
+            })],
             textures: vec![TextureDescription {
                 image: 0,
                 wrap_u: wrap,
@@ -318,16 +318,16 @@ mod tests {
     fn sixteen_bits_and_floats() {
         let mut scene = scene(Wrap::Repeat, false);
         let at = |scene: &SceneDescription, space| sample(scene, &reference(space), Vec2::splat(0.25));
-        scene.images[0] = ImageData {
+        scene.images[0] = Arc::new(ImageData {
             name: String::new(),
             width: 1,
             height: 1,
             pixels: ImagePixels::Rgba16(vec![13107, 0, 65535, 32768]),
-        };
+        });
         close(at(&scene, ColorSpace::Linear).x, 0.2);
         close(at(&scene, ColorSpace::Srgb).x, 0.033_104_767);
         close(at(&scene, ColorSpace::Srgb).w, 32768.0 / 65535.0);
-        scene.images[0].pixels = ImagePixels::Rgba32F(vec![7.5, -1.0, 0.0, 1.0]);
+        Arc::make_mut(&mut scene.images[0]).pixels = ImagePixels::Rgba32F(vec![7.5, -1.0, 0.0, 1.0]);
         assert_eq!(at(&scene, ColorSpace::Srgb), Vec4::new(7.5, -1.0, 0.0, 1.0));
     }
 
@@ -337,7 +337,7 @@ mod tests {
         let reference = reference(ColorSpace::Linear);
         let sampler = TextureSampler::new(&scene.textures, &scene.images, &reference).expect("it is there");
         close(sampler.mean().x, (0.0 + 0.2 + 0.4 + 1.0) / 4.0);
-        scene.images[0].pixels = ImagePixels::Rgba8(vec![0; 3]);
+        Arc::make_mut(&mut scene.images[0]).pixels = ImagePixels::Rgba8(vec![0; 3]);
         assert_eq!(sample(&scene, &reference, Vec2::ZERO), Vec4::ONE);
         scene.images.clear();
         assert_eq!(sample(&scene, &reference, Vec2::ZERO), Vec4::ONE);

@@ -78,6 +78,7 @@ impl PathTracer<'_> {
             bounces: 1,
             direct_view: false,
             footprint: Footprint::default(),
+            wavelength: path.wavelength,
         };
         if direction.y > 0.0 {
             self.follow(&mut reflected, &mut with, sampler);

@@ -14,9 +14,11 @@ mod path;
 mod pixel;
 mod render;
 pub mod searchlight;
+mod shutter;
 mod state;
 mod surroundings;
 mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};
 pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};
+pub use shutter::{Shutter, Slice, render_shutter};

@@ -32,6 +32,8 @@ pub struct RenderOptions {
     pub height: u32,
     /// Samples a pixel.
     pub spp: u32,
+    /// Index of the first of them; renders of different samples are parts of one picture.
+    pub first_sample: u32,
     /// Seed: another seed, another noise.
     pub seed: u32,
     /// Threads, 0 for all.
@@ -62,6 +64,7 @@ impl RenderOptions {
             width: 640,
             height: 480,
             spp: 64,
+            first_sample: 0,
             seed: 0,
             threads: 0,
             camera,
@@ -113,6 +116,16 @@ pub struct RenderStats {
     pub leaked_paths: u64,
     /// Samples that were not finite and count as black.
     pub invalid_samples: u64,
+}
+
+impl std::ops::AddAssign for RenderStats {
+    fn add_assign(&mut self, more: Self) {
+        self.rays += more.rays;
+        self.scattering_events += more.scattering_events;
+        self.truncated_paths += more.truncated_paths;
+        self.leaked_paths += more.leaked_paths;
+        self.invalid_samples += more.invalid_samples;
+    }
 }
 
 /// A finished picture.
@@ -261,7 +274,8 @@ impl Job<'_> {
         for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {
-                let mut sampler = Sampler::new(y * self.options.width + x, sample, self.options.seed);
+                let index = self.options.first_sample.wrapping_add(sample);
+                let mut sampler = Sampler::new(y * self.options.width + x, index, self.options.seed);
                 let found = tracer.sample_pixel(x, y, &mut sampler);
                 *sum += found.radiance.as_dvec3();
                 if let Some(coverage) = tile.coverage.get_mut(i) {

@@ -1,7 +1,6 @@
 //! Scenes for measurements: meshes built here, cameras that see them, and estimates with standard errors.
 
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
-use nephrite::optics::Microfacet;
 use nephrite::scene::*;
 use nephrite::transport::{RenderOptions, render};
 
@@ -139,15 +138,8 @@ pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOption
         height: pixels,
         spp,
         seed: 1,
-        threads: 0,
-        camera,
-        subsurface: "random-walk".into(),
         max_depth: 1_000_000,
-        microfacet: Microfacet::Multiple,
-        aim: true,
-        filter_textures: true,
-        ground: None,
-        transparent: false,
+        ..RenderOptions::new(camera)
     }
 }
 
@@ -252,12 +244,13 @@ impl Estimate {
 
 /// A texture of linear values, appended to a scene.
 pub fn add_texture(scene: &mut SceneDescription, width: u32, texels: &[Vec3]) -> TextureRef {
-    scene.images.push(ImageData {
+    let image = ImageData {
         name: String::new(),
         width,
         height: texels.len() as u32 / width,
         pixels: ImagePixels::Rgba32F(texels.iter().flat_map(|t| t.extend(1.0).to_array()).collect()),
-    });
+    };
+    scene.images.push(image.into());
     scene.textures.push(TextureDescription {
         image: scene.images.len() - 1,
         wrap_u: Wrap::Repeat,

@@ -123,11 +123,26 @@ fn rich() -> Value {
     b.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}]);
     b.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "spot", "intensity": 3, "range": 10, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2}}]}});
-    b.json["animations"] = json!([{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
-        "samplers": [{"input": 0, "output": 0}]}]);
+    let (times, rotations) = (b.floats("SCALAR", &[0.0, 1.0]), b.floats("VEC4", &[0.5; 24]));
+    let visible = b.accessor("SCALAR", U8, 2, &[1, 1]);
+    b.json["animations"] = json!([{
+        "channels": [
+            {"sampler": 0, "target": {"node": 1, "path": "rotation"}},
+            {"sampler": 1, "target": {"node": 0, "path": "weights"}},
+            {"sampler": 2, "target": {"path": "pointer", "extensions": {
+                "KHR_animation_pointer": {"pointer": "/nodes/1/extensions/KHR_node_visibility/visible"}}}},
+            {"sampler": 1, "target": {"path": "pointer", "extensions": {
+                "KHR_animation_pointer": {"pointer": "/meshes/0/weights/0"}}}},
+        ],
+        "samplers": [
+            {"input": times, "output": rotations, "interpolation": "CUBICSPLINE"},
+            {"input": times, "output": times},
+            {"input": times, "output": visible, "interpolation": "STEP"},
+        ],
+    }]);
     b.json["nodes"] = json!([
         {"mesh": 0, "children": [1, 2], "scale": [1, 2, 3]},
-        {"camera": 0, "rotation": [0, 0, 0, 1]},
+        {"camera": 0, "rotation": [0, 0, 0, 1], "extensions": {"KHR_node_visibility": {"visible": true}}},
         {"extensions": {"KHR_lights_punctual": {"light": 0},
             "EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}}, "mesh": 0, "skin": 0},
     ]);
@@ -146,7 +161,9 @@ fn pointers(value: &Value, here: String, all: &mut Vec<String>) {
 #[test]
 fn any_value_anywhere_ends_well() {
     let good = rich();
-    load_json(&good, &LoadOptions::default()).expect("the unaltered document loads");
+    let loaded = load_json(&good, &LoadOptions::default()).expect("the unaltered document loads");
+    let animation = &loaded.summary.animations[0];
+    assert_eq!((animation.channels, animation.ignored), (4, 0), "{:?}", loaded.diagnostics);
     let mut all = Vec::new();
     pointers(&good, String::new(), &mut all);
     let odd = [
@@ -168,8 +185,13 @@ fn any_value_anywhere_ends_well() {
         for value in &odd {
             let mut json = good.clone();
             *json.pointer_mut(pointer).expect("it is there") = value.clone();
-            if let Ok(loaded) = load_json(&json, &LoadOptions::default()) {
-                check(&loaded.scene);
+            let bytes = json.to_string().into_bytes();
+            let asset = Asset::from_bytes(bytes, Path::new("/nowhere"), &LoadOptions::default());
+            let Ok(mut asset) = asset else { continue };
+            for moment in [Moment::default(), Moment { animations: vec![0], time: 0.25 }] {
+                if let Ok(loaded) = asset.load(&moment) {
+                    check(&loaded.scene);
+                }
             }
         }
     }

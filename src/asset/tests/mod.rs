@@ -1,11 +1,13 @@
 //! Tests of the loader on files that are built here, in code.
 
+mod animations;
 mod containers;
 mod hostile;
 mod materials;
 mod meshes;
 mod nodes;
 mod oracle;
+mod poses;
 mod uris;
 
 use std::path::Path;

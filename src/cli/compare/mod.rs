@@ -62,7 +62,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     let reporter = Reporter::new(args.scene.quiet);
     let progress = Progress::new(args.scene.quiet);
     let size = Size { asked: args.size, longest_side: LONGEST_SIDE };
-    let prepared = Prepared::new(&args.scene, size, &reporter, &progress)?;
+    let prepared = Prepared::new(&args.scene, size, None, &reporter, &progress)?;
     let models = pipeline::models(args.scene.brdf_cosines);
     let names = chosen(&args.models, &models);
     check_sheet(names.len() + 1, &prepared)?;
@@ -222,7 +222,7 @@ impl<'a> Bench<'a> {
                 let part = self.progress.part(label, *done, self.total);
                 let rendered = pipeline::render(&prepared.scene, &options, models, &part)?;
                 if rendered.spp < spp {
-                    return Ok(false);
+                    return Ok::<bool, Failure>(false);
                 }
                 *done += pixels * u64::from(spp);
                 let samples = pixels as f64 * f64::from(spp);

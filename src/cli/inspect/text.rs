@@ -2,10 +2,14 @@
 
 use super::format::{count, length, lengths, number, triple};
 use super::report::{MediumReport, ObjectReport, Report};
+use crate::asset::AnimationSummary;
 use crate::cli::message::grouped;
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
 use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
+
+/// The most animations that are listed.
+const MOST_ANIMATIONS: usize = 50;
 
 /// The most names on one line.
 const MOST_NAMES: usize = 6;
@@ -52,7 +56,7 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
     line(out, "cameras", &cameras)?;
     line(out, "lights", &lights(scene))?;
     if !summary.animations.is_empty() {
-        line(out, "animations", &names(summary.animations.iter().map(String::as_str)))?;
+        animations(out, &summary.animations)?;
     }
     if !summary.variants.is_empty() {
         line(out, "variants", &names(summary.variants.iter().map(String::as_str)))?;
@@ -70,6 +74,20 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
         line(out, "media", "none: nothing in this file scatters light below its surface")?;
     }
     Ok(())
+}
+
+fn animations(out: &mut String, animations: &[AnimationSummary]) -> std::fmt::Result {
+    for (i, animation) in animations.iter().take(MOST_ANIMATIONS).enumerate() {
+        let AnimationSummary { name, start, end, channels, ignored, properties, .. } = animation;
+        let from = if *start > 0.0 { format!("{} to ", number(*start)) } else { String::new() };
+        let ignored = if *ignored > 0 { format!(", {ignored} ignored") } else { String::new() };
+        let moves = names(properties.iter().map(String::as_str));
+        let channels = count(*channels, "channel", "channels");
+        let title = if i == 0 { "animations" } else { "" };
+        line(out, title, &format!("{name:?}: {from}{} s, {channels}{ignored} ({moves})", number(*end)))?;
+    }
+    let more = animations.len().saturating_sub(MOST_ANIMATIONS);
+    if more > 0 { line(out, "", &format!("and {more} more")) } else { Ok(()) }
 }
 
 fn camera(camera: &CameraDescription) -> String {

@@ -1,0 +1,120 @@
+//! An asset that has been opened and can be read at any number of moments: the document is parsed, files are read and
+//! images decoded once.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::animation::{Moment, apply};
+use super::error::shorten;
+use super::loader::Loader;
+use super::{Accessor, AssetError, Bytes, LoadOptions, Loaded, Summary, container, uri};
+use crate::scene::ImageData;
+
+/// A `.gltf` or `.glb` file that can be read at several moments of its animations.
+#[derive(Debug)]
+pub struct Asset {
+    document: Value,
+    duplicates: Vec<String>,
+    oddities: Vec<String>,
+    bin: Option<Bytes>,
+    folder: PathBuf,
+    file_bytes: u64,
+    options: LoadOptions,
+    cache: Cache,
+}
+
+/// What does not change with the moment.
+#[derive(Debug, Default)]
+pub(crate) struct Cache {
+    pub buffers: HashMap<usize, Bytes>,
+    pub views: HashMap<usize, Bytes>,
+    /// Decoded images, by index in the file.
+    pub images: HashMap<usize, Arc<ImageData>>,
+    /// Accessors of keyframes, by index in the file.
+    pub keyframes: HashMap<usize, Arc<Accessor>>,
+    /// First and last time of keyframes, or what is wrong with them, by the pointer of their accessor.
+    pub times: HashMap<String, Result<[f32; 2], String>>,
+}
+
+impl Asset {
+    /// Opens a file; which kind it is, its first bytes tell.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or is not JSON in a sound container.
+    pub fn open(path: &Path, options: &LoadOptions) -> Result<Self, AssetError> {
+        let bytes = uri::document(path, options.limits.file_bytes)?;
+        Self::from_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
+    }
+
+    /// Opens the bytes of a file whose relative URIs are below `folder`.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Self, AssetError> {
+        let bytes = Bytes::from(bytes);
+        let parts = container::split(&bytes)?;
+        let json_bytes = bytes.get(parts.json).unwrap_or_default();
+        let (document, duplicates) = container::parse(json_bytes, options.limits.json_values)?;
+        Ok(Self {
+            document,
+            duplicates,
+            oddities: parts.oddities,
+            bin: parts.bin.and_then(|range| bytes.slice(range.start, range.len())),
+            folder: folder.to_owned(),
+            file_bytes: bytes.len() as u64,
+            options: options.clone(),
+            cache: Cache::default(),
+        })
+    }
+
+    /// Names of the animations; `None` for those that have none.
+    pub fn animation_names(&self) -> Vec<Option<&str>> {
+        let list = self.document.get("animations").and_then(Value::as_array);
+        list.into_iter().flatten().map(|a| a.get("name").and_then(Value::as_str)).collect()
+    }
+
+    /// Reads the scene at a moment. What is odd about files and images is told the first time only.
+    ///
+    /// # Errors
+    /// Where the file is not glTF 2.0, refers to what is not there, requires an extension that is not in the registry,
+    /// or asks for more than the limits; where the moment names an animation that is not there.
+    pub fn load(&mut self, moment: &Moment) -> Result<Loaded, AssetError> {
+        let cache = std::mem::take(&mut self.cache);
+        let (loaded, cache) = self.load_with(cache, moment)?;
+        self.cache = cache;
+        Ok(loaded)
+    }
+
+    fn load_with(&self, cache: Cache, moment: &Moment) -> Result<(Loaded, Cache), AssetError> {
+        let mut loader = Loader::new(&self.document, &self.options, &self.folder);
+        loader.totals.file_bytes = self.file_bytes;
+        loader.bin = self.bin.clone();
+        loader.cache = cache;
+        for oddity in &self.oddities {
+            loader.invalid("", oddity)?;
+        }
+        for key in &self.duplicates {
+            let key = shorten(key);
+            loader.invalid("", format!("the key `{key}` occurs twice in one object; the last one counts"))?;
+        }
+        loader.version()?;
+        let extensions = loader.extensions()?;
+        let (animations, edits) = loader.animate(moment)?;
+        let mut animated;
+        if !edits.is_empty() {
+            animated = self.document.clone();
+            apply(&mut animated, &edits);
+            loader = Loader::new(&animated, &self.options, &self.folder).continuing(loader);
+        }
+        loader.read()?;
+        loader.decode_images()?;
+        loader.afterthoughts(!moment.animations.is_empty())?;
+        let summary = Summary::new(&loader, extensions, animations);
+        let cache = std::mem::take(&mut loader.cache);
+        let (scene, diagnostics) = loader.finish();
+        Ok((Loaded { scene, diagnostics, summary }, cache))
+    }
+}
