@@ -14,6 +14,7 @@ use super::LoadOptions;
 use super::buffer::Bytes;
 use super::error::{AssetError, Diagnostic, Severity};
 use super::json::Json;
+use super::texture::ImageSource;
 use crate::scene::SceneDescription;
 
 /// Diagnostics beyond this many are counted, not kept.
@@ -29,13 +30,16 @@ type MeshKey = (usize, (Vec<u32>, Option<usize>));
 pub struct Loader<'a> {
     pub(crate) document: &'a Value,
     pub(crate) options: &'a LoadOptions,
-    pub(crate) folder: &'a Path,
+    pub(crate) folder: Option<&'a Path>,
     pub(crate) bin: Option<Bytes>,
     pub(crate) buffers: HashMap<usize, Bytes>,
     pub(crate) views: HashMap<usize, Bytes>,
     pub(crate) textures: HashMap<usize, Option<usize>>,
-    pub(crate) images: HashMap<usize, usize>,
-    pub(crate) image_sources: Vec<usize>,
+    pub(crate) images: HashMap<ImageSource, usize>,
+    pub(crate) image_sources: Vec<ImageSource>,
+    /// So many of the scene's images have been decoded, or found not to be usable.
+    pub(crate) decoded_images: usize,
+    pub(crate) usable_images: HashSet<usize>,
     pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
     pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
     pub(crate) worlds: Vec<Option<glam::DAffine3>>,
@@ -62,7 +66,7 @@ pub(crate) struct Totals {
 }
 
 impl<'a> Loader<'a> {
-    pub(crate) fn new(document: &'a Value, options: &'a LoadOptions, folder: &'a Path) -> Self {
+    pub(crate) fn new(document: &'a Value, options: &'a LoadOptions, folder: Option<&'a Path>) -> Self {
         Self {
             document,
             options,
@@ -73,6 +77,8 @@ impl<'a> Loader<'a> {
             textures: HashMap::new(),
             images: HashMap::new(),
             image_sources: Vec::new(),
+            decoded_images: 0,
+            usable_images: HashSet::new(),
             meshes: HashMap::new(),
             skins: HashMap::new(),
             worlds: Vec::new(),
@@ -216,6 +222,21 @@ impl<'a> Loader<'a> {
             return Ok(());
         }
         Err(AssetError::Limit { pointer: pointer.to_owned(), what: what.to_owned(), needed, limit, field })
+    }
+
+    /// Adds bytes that are held in memory, read or decompressed, within the limit of files.
+    ///
+    /// # Errors
+    /// Where there are more than the limits allow.
+    pub fn spend_bytes(&mut self, bytes: u64, pointer: &str, what: &str) -> Result<(), AssetError> {
+        self.totals.file_bytes = self.totals.file_bytes.saturating_add(bytes);
+        Self::within(self.totals.file_bytes, self.options.limits.file_bytes, pointer, what, "file_bytes")
+    }
+
+    /// How many more vertices and triangles the limits allow.
+    pub fn room(&self) -> (u64, u64) {
+        let (limits, spent) = (&self.options.limits, &self.totals);
+        (limits.vertices.saturating_sub(spent.vertices), limits.triangles.saturating_sub(spent.triangles))
     }
 
     /// Adds to the number of vertices and triangles of the scene, within the limits.

@@ -23,9 +23,14 @@ pub(crate) mod container;
 pub mod environment;
 mod error;
 mod extensions;
+mod guard;
 mod image;
+mod input;
 mod json;
+mod limits;
 mod loader;
+mod manifold;
+mod marks;
 mod material;
 mod mesh;
 mod node;
@@ -43,11 +48,15 @@ use std::path::Path;
 pub use accessor::{Accessor, Component};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
+pub(crate) use guard::guarded;
 pub use json::Json;
+pub use limits::Limits;
 pub use loader::Loader;
+pub use manifold::MergedVertices;
 pub use node::NodeContext;
 pub use primitive::DecodedPrimitive;
 pub use summary::*;
+pub use texture::ImageSource;
 pub use topology::Topology;
 
 use crate::extension::Registry;
@@ -70,39 +79,6 @@ pub struct LoadOptions {
     pub registry: Registry,
 }
 
-/// How much a file may ask for, so that a small hostile file cannot take the whole machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Bytes of all files together.
-    pub file_bytes: u64,
-    /// Numbers, strings, arrays, objects and so on of the JSON document; each takes up to 200 bytes.
-    pub json_values: u64,
-    /// Nodes of the document.
-    pub nodes: u64,
-    /// Instances of the scene.
-    pub instances: u64,
-    /// Vertices of all meshes together, and elements of an accessor.
-    pub vertices: u64,
-    /// Triangles of all meshes together.
-    pub triangles: u64,
-    /// Bytes of all decoded images together: 4 a pixel, 8 for 16-bit images.
-    pub image_bytes: u64,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            file_bytes: 4 << 30,
-            json_values: 8_000_000,
-            nodes: 4_000_000,
-            instances: 4_000_000,
-            vertices: 50_000_000,
-            triangles: 50_000_000,
-            image_bytes: 1 << 30,
-        }
-    }
-}
-
 /// A file that was loaded.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -114,12 +90,14 @@ pub struct Loaded {
     pub summary: Summary,
 }
 
-/// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell.
+/// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell. Of a folder, the only such file in it is
+/// loaded, or the `.glb` of two that differ only in that.
 ///
 /// # Errors
 /// Where the file cannot be read, is not glTF 2.0, refers to what is not there, requires an extension that is not in
 /// the registry, or asks for more than the limits.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    let path = &input::document_in(path)?;
     let bytes = uri::document(path, options.limits.file_bytes)?;
     load_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
 }
@@ -129,6 +107,18 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
 /// # Errors
 /// As [`load`].
 pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    load_document(bytes, Some(folder), options)
+}
+
+/// Loads a `.gltf` or `.glb` file from a stream, such as standard input. It has no folder, so it cannot name files.
+///
+/// # Errors
+/// As [`load`], and where it names a file by a relative URI.
+pub fn load_stream(stream: impl std::io::Read, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    load_document(uri::stream(stream, options.limits.file_bytes)?, None, options)
+}
+
+fn load_document(bytes: Vec<u8>, folder: Option<&Path>, options: &LoadOptions) -> Result<Loaded, AssetError> {
     let bytes = Bytes::from(bytes);
     let parts = container::split(&bytes)?;
     let json_bytes = bytes.get(parts.json).unwrap_or_default();
@@ -209,7 +199,12 @@ impl<'a> Loader<'a> {
             }
             None => self.all_roots()?,
         };
-        self.nodes(roots)
+        // Materials name all images: the first of them are decoded while meshes are read.
+        let files = self.images_to_decode()?;
+        let options = self.options;
+        let (decoded, read) = rayon::join(|| files.decode(options), || self.nodes(roots));
+        self.keep_images(decoded);
+        read
     }
 
     /// The scene to show: the option, else the file's default, else its first; `None` where it has no scenes.

@@ -162,16 +162,24 @@ impl Loader<'_> {
             else {
                 break;
             };
-            let indices = self.accessor(indices, &attributes.pointer_to(&keys[0]))?;
-            let weights = self.accessor(weights, &attributes.pointer_to(&keys[1]))?;
-            for (accessor, key) in [(&indices, &keys[0]), (&weights, &keys[1])] {
-                if accessor.count != count || !accessor.is_vector(4) {
+            let mut influences = [Vec::new(), Vec::new()];
+            for ((read, index), key) in influences.iter_mut().zip([indices, weights]).zip(&keys) {
+                let (width, elements) = match primitive.decoded.remove(key) {
+                    Some(decoded) => decoded,
+                    None => {
+                        let accessor = self.accessor(index, &attributes.pointer_to(key))?;
+                        let width = if accessor.is_vector(4) { 4 } else { 0 };
+                        (width, accessor.floats::<4>())
+                    }
+                };
+                if elements.len() != count || width != 4 {
                     let message = format!("not {count} VEC4, as the primitive has vertices; it is ignored");
                     self.invalid(&attributes.pointer_to(key), message)?;
                     return Ok(());
                 }
+                *read = elements;
             }
-            let (indices, weights) = (indices.floats::<4>(), weights.floats::<4>());
+            let [indices, weights] = influences;
             for ((blend, index), weight) in blended.iter_mut().zip(indices).zip(weights) {
                 for (j, w) in index.into_iter().zip(weight).filter(|(_, w)| *w > 0.0 && w.is_finite()) {
                     let Some(joint) = joints.get(j as usize) else {

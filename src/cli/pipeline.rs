@@ -2,6 +2,7 @@
 //! errors become [`Failure`]s.
 
 use super::Failure;
+use super::args::LoadArgs;
 use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, environment::load_environment};
@@ -13,7 +14,6 @@ use crate::scene::{
 };
 use crate::{subsurface, transport};
 use glam::Vec3;
-use std::path::Path;
 
 pub(super) use crate::asset::{Diagnostic, Loaded, Severity, Summary};
 pub(super) use crate::optics::Microfacet;
@@ -35,18 +35,32 @@ pub(super) fn models(cosines: Cosines) -> Registry {
     models
 }
 
+/// The path that stands for standard input.
+const STANDARD_INPUT: &str = "-";
+
 /// Loads a glTF file.
 pub(super) fn load(
-    path: &Path,
+    args: &LoadArgs,
     scene: Option<usize>,
     variant: Option<&str>,
     strict: bool,
 ) -> Result<Loaded, Failure> {
     let variant = variant.map(str::to_owned);
-    let options = asset::LoadOptions { scene, variant, strict, ..Default::default() };
-    asset::load(path, &options).map_err(|error| {
+    let allow_outside = args.allow_outside;
+    let mut options = asset::LoadOptions { scene, variant, strict, allow_outside, ..Default::default() };
+    for (name, value) in &args.limits {
+        options.limits.set(name, *value);
+    }
+    let path = &args.input;
+    let from_stream = path.as_os_str() == STANDARD_INPUT;
+    let loaded = if from_stream {
+        asset::load_stream(std::io::stdin().lock(), &options)
+    } else {
+        asset::load(path, &options)
+    };
+    loaded.map_err(|error| {
         let text = error.to_string();
-        let shown = path.display().to_string();
+        let shown = if from_stream { "standard input".to_owned() } else { path.display().to_string() };
         let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
         Failure::Cannot { message, advice: error.advice() }
     })
@@ -164,7 +178,7 @@ pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraD
 
 /// Whether a mesh is closed, and where it is not.
 pub(super) fn topology(mesh: &MeshDescription) -> Topology {
-    Topology::analyse(&MeshGeometry::build(&mesh.positions, &mesh.triangles))
+    Topology::analyse_merged(&MeshGeometry::build(&mesh.positions, &mesh.triangles), &mesh.merged)
 }
 
 #[cfg(test)]

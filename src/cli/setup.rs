@@ -50,8 +50,8 @@ impl Prepared {
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let mut watch = Stopwatch::start();
-        progress.phase(&format!("loading {}", file_name(&args.input)));
-        let loaded = pipeline::load(&args.input, args.scene, args.variant.as_deref(), args.strict);
+        progress.phase(&format!("loading {}", file_name(&args.load.input)));
+        let loaded = pipeline::load(&args.load, args.scene, args.variant.as_deref(), args.strict);
         progress.clear();
         let loaded = loaded?;
         reporter.diagnostics(&loaded.diagnostics);

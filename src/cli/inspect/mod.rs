@@ -14,8 +14,8 @@ use std::io::{ErrorKind, Write};
 
 /// Inspects as the arguments say.
 pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let loaded = pipeline::load(&args.input, args.scene, None, false)?;
-    let report = Report::new(&args.input, &loaded);
+    let loaded = pipeline::load(&args.load, args.scene, None, false)?;
+    let report = Report::new(&args.load.input, &loaded);
     let output = if args.json {
         let mut json = serde_json::to_string_pretty(&report).map_err(Failure::cannot)?;
         json.push('\n');
