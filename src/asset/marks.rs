@@ -4,7 +4,7 @@
 //! depend on units. Spheres are icosahedra, tubes have six sides and a sphere at each end, and all are shaded smoothly.
 //! Material, colours and texture coordinates are those of the vertices.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use super::error::AssetError;
 use super::json::Json;
@@ -161,7 +161,7 @@ impl<'p> Shape<'p> {
         for (set, from) in self.out.uvs.iter_mut().zip(&self.source.uvs) {
             set.push(from[of]);
         }
-        self.out.colors.extend(self.source.colors.get(of).copied().map(Vec4::from));
+        self.out.colors.extend(self.source.colors.get(of).copied());
     }
 
     fn sphere(&mut self, at: u32) {
@@ -232,7 +232,8 @@ mod tests {
             for (p, c) in mesh.positions.iter().zip(&mesh.colors) {
                 let vertex = [Vec3::ZERO, Vec3::X, Vec3::Y]
                     [c.truncate().to_array().iter().position(|&x| x == 1.0).expect("a colour")];
-                let distance = p.distance(vertex) / 2_f32.sqrt();
+                let diagonal = if mode == 1 { 1.0 } else { 2_f32.sqrt() };
+                let distance = p.distance(vertex) / diagonal;
                 let radius = if mode == 0 { POINT_RADIUS } else { LINE_RADIUS };
                 assert!((distance - radius).abs() < 1e-6, "{distance}");
             }

@@ -317,6 +317,8 @@ impl std::fmt::Debug for Registry {
 }
 
 #[cfg(test)]
+mod compressed_tests;
+#[cfg(test)]
 mod material_tests;
 #[cfg(test)]
 mod tests;
