@@ -12,9 +12,9 @@ use super::loader::Loader;
 use super::primitive::Primitive;
 
 /// Radius of a point, relative to the diagonal of the bounding box.
-const POINT_RADIUS: f32 = 1.0 / 250.0;
+const POINT_RADIUS: f32 = 1.0 / 100.0;
 /// Radius of a line, likewise.
-const LINE_RADIUS: f32 = 1.0 / 500.0;
+const LINE_RADIUS: f32 = 1.0 / 200.0;
 /// Sides of a tube.
 const SIDES: u32 = 6;
 

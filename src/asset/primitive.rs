@@ -128,6 +128,10 @@ impl Loader<'_> {
         }
         if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
             let message = format!("index {index} is beyond the {count} vertices of the primitive");
+            if marks.is_some() {
+                self.invalid(&indices_pointer, format!("{message}; its points or lines are left out"))?;
+                return Ok(None);
+            }
             return Err(AssetError::invalid(indices_pointer, message));
         }
         match marks {
