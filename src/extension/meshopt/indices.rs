@@ -192,8 +192,7 @@ mod tests {
     /// encoder do not have.
     #[test]
     fn numbers_of_the_specification() {
-        for (bytes, number) in [(&[0x7f][..], 0x7f), (&[0x81, 0x04], 0x201), (&[0xff, 0xa0, 0x05], 0x1507f)]
-        {
+        for (bytes, number) in [(&[0x7f][..], 0x7f), (&[0x81, 0x04], 0x201), (&[0xff, 0xa0, 0x05], 0x1507f)] {
             let mut extra = Extra { bytes, last: 0 };
             assert_eq!(extra.number(), Ok(number), "{bytes:x?}");
         }
