@@ -8,6 +8,8 @@ mod compare_models;
 mod convert;
 #[path = "cli/edit.rs"]
 mod edit;
+#[path = "cli/inputs.rs"]
+mod inputs;
 #[path = "cli/presets.rs"]
 mod presets;
 #[path = "cli/profile.rs"]

@@ -255,6 +255,11 @@ fn number(component: Component, normalized: bool, bytes: &[u8]) -> f32 {
 }
 
 impl Accessor {
+    /// The same accessor without its sparse part.
+    pub fn without_sparse(&self) -> Self {
+        Self { sparse: None, ..self.clone() }
+    }
+
     /// Whether an element is a vector (or scalar) of `components` components.
     pub fn is_vector(&self, components: usize) -> bool {
         self.shape == (components, 1)

@@ -48,7 +48,8 @@ impl Loader<'_> {
             Some(payload) => payload?,
             None => {
                 let left = self.options.limits.file_bytes.saturating_sub(self.totals.file_bytes);
-                let payload = uri::file(self.folder, pointer, uri, self.options.allow_outside, left)?;
+                let folder = self.folder.ok_or_else(|| uri::without_folder(pointer, uri))?;
+                let payload = uri::file(folder, pointer, uri, self.options.allow_outside, left)?;
                 self.totals.file_bytes += payload.bytes.len() as u64;
                 payload
             }

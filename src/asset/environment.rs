@@ -137,13 +137,11 @@ fn read_exr(path: &Path) -> Result<Texels, EnvironmentError> {
         let channel = |name: &str| {
             (layer.channel_data.list.iter())
                 .find(|c| c.name.eq(name) && c.sampling == Vec2(1, 1))
-                .map(|c| c.sample_data.values_as_f32().collect::<Vec<f32>>())
+                .map(|c| c.sample_data.values_as_f32())
         };
         let pixels: Vec<Vec3> = match (channel("R"), channel("G"), channel("B"), channel("Y")) {
-            (Some(r), Some(g), Some(b), _) => {
-                r.into_iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b)).collect()
-            }
-            (None, None, None, Some(y)) => y.into_iter().map(Vec3::splat).collect(),
+            (Some(r), Some(g), Some(b), _) => r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b)).collect(),
+            (None, None, None, Some(y)) => y.map(Vec3::splat).collect(),
             _ => continue,
         };
         return Ok((width, height, pixels));

@@ -173,7 +173,8 @@ impl AssetError {
                 Some("export the asset again without these extensions, or convert it".to_owned())
             }
             Self::Limit { field, .. } => {
-                Some(format!("if the file is to be trusted, raise the limit `{field}`"))
+                let option = field.replace('_', "-");
+                Some(format!("if the file is to be trusted, raise the limit (`--limit {option}=N`)"))
             }
             Self::Strict(diagnostic) => diagnostic.advice.clone(),
             Self::Io { .. } | Self::Json { .. } => None,

@@ -34,13 +34,15 @@ pub(crate) fn mime(bytes: &[u8]) -> Option<&'static str> {
         None if bytes.starts_with(b"\xABKTX 20\xBB\r\n\x1a\n") => Some("image/ktx2"),
         None if bytes.starts_with(b"GIF8") => Some("image/gif"),
         None if bytes.starts_with(b"DDS ") => Some("image/vnd-ms.dds"),
+        None if matches!(bytes.get(4..12), Some(b"ftypavif" | b"ftypavis")) => Some("image/avif"),
         None => None,
     }
 }
 
-/// Bytes that a PNG or JPEG file will take once decoded, from its header alone.
-pub(crate) fn decoded_bytes(bytes: &[u8]) -> Option<u64> {
-    let decoder = ImageReader::with_format(Cursor::new(bytes), format(bytes)?).into_decoder().ok()?;
+/// Bytes that an image file will take once decoded, from its header alone.
+pub(crate) fn decoded_bytes(bytes: &[u8], registry: &Registry) -> Option<u64> {
+    let Some(format) = format(bytes) else { return registry.iter().find_map(|e| e.image_bytes(bytes)) };
+    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().ok()?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
     let wide = color.bytes_per_pixel() > color.channel_count();
@@ -48,9 +50,14 @@ pub(crate) fn decoded_bytes(bytes: &[u8]) -> Option<u64> {
 }
 
 /// Decodes an image file, with the help of extensions where it is neither PNG nor JPEG.
-pub(crate) fn decode(bytes: &[u8], registry: &Registry, limits: &Limits) -> Result<ImageData, String> {
+pub(crate) fn decode(
+    bytes: &[u8],
+    layer: usize,
+    registry: &Registry,
+    limits: &Limits,
+) -> Result<ImageData, String> {
     let Some(format) = format(bytes) else {
-        return match registry.iter().find_map(|e| e.decode_image(bytes, limits)) {
+        return match registry.iter().find_map(|e| e.decode_image(bytes, layer, limits)) {
             Some(result) => result.and_then(consistent),
             None => Err(match mime(bytes) {
                 Some(mime) => format!("{mime} is not supported"),

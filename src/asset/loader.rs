@@ -15,6 +15,7 @@ use super::buffer::Bytes;
 use super::error::{AssetError, Diagnostic, Severity};
 use super::json::Json;
 use super::opened::Cache;
+use super::texture::ImageSource;
 use crate::scene::SceneDescription;
 
 /// Diagnostics beyond this many are counted, not kept.
@@ -30,12 +31,15 @@ type MeshKey = (usize, (Vec<u32>, Option<usize>));
 pub struct Loader<'a> {
     pub(crate) document: &'a Value,
     pub(crate) options: &'a LoadOptions,
-    pub(crate) folder: &'a Path,
+    pub(crate) folder: Option<&'a Path>,
     pub(crate) bin: Option<Bytes>,
     pub(crate) cache: Cache,
     pub(crate) textures: HashMap<usize, Option<usize>>,
-    pub(crate) images: HashMap<usize, usize>,
-    pub(crate) image_sources: Vec<usize>,
+    pub(crate) images: HashMap<ImageSource, usize>,
+    pub(crate) image_sources: Vec<ImageSource>,
+    /// So many of the scene's images have been decoded, or found not to be usable.
+    pub(crate) decoded_images: usize,
+    pub(crate) usable_images: HashSet<usize>,
     pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
     pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
     pub(crate) worlds: Vec<Option<glam::DAffine3>>,
@@ -64,7 +68,7 @@ pub(crate) struct Totals {
 }
 
 impl<'a> Loader<'a> {
-    pub(crate) fn new(document: &'a Value, options: &'a LoadOptions, folder: &'a Path) -> Self {
+    pub(crate) fn new(document: &'a Value, options: &'a LoadOptions, folder: Option<&'a Path>) -> Self {
         Self {
             document,
             options,
@@ -74,6 +78,8 @@ impl<'a> Loader<'a> {
             textures: HashMap::new(),
             images: HashMap::new(),
             image_sources: Vec::new(),
+            decoded_images: 0,
+            usable_images: HashSet::new(),
             meshes: HashMap::new(),
             skins: HashMap::new(),
             worlds: Vec::new(),
@@ -224,6 +230,21 @@ impl<'a> Loader<'a> {
             return Ok(());
         }
         Err(AssetError::Limit { pointer: pointer.to_owned(), what: what.to_owned(), needed, limit, field })
+    }
+
+    /// Adds bytes that are held in memory, read or decompressed, within the limit of files.
+    ///
+    /// # Errors
+    /// Where there are more than the limits allow.
+    pub fn spend_bytes(&mut self, bytes: u64, pointer: &str, what: &str) -> Result<(), AssetError> {
+        self.totals.file_bytes = self.totals.file_bytes.saturating_add(bytes);
+        Self::within(self.totals.file_bytes, self.options.limits.file_bytes, pointer, what, "file_bytes")
+    }
+
+    /// How many more vertices and triangles the limits allow.
+    pub fn room(&self) -> (u64, u64) {
+        let (limits, spent) = (&self.options.limits, &self.totals);
+        (limits.vertices.saturating_sub(spent.vertices), limits.triangles.saturating_sub(spent.triangles))
     }
 
     /// Adds to the number of vertices and triangles of the scene, within the limits.

@@ -5,10 +5,12 @@
 //! hang on them. Where only some primitives have normals the others get flat ones of their own.
 
 use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
+use super::manifold;
 use super::pose::Pose;
 use super::primitive::Primitive;
 use super::tangent;
@@ -31,6 +33,7 @@ impl Loader<'_> {
         }
         let json = self.entry("meshes", index, from)?;
         let mut primitives = Vec::new();
+        let merged = self.merged_vertices(&json)?;
         let list = json.array("primitives")?;
         if list.is_empty() {
             self.invalid(json.pointer(), "has no primitives")?;
@@ -39,6 +42,11 @@ impl Loader<'_> {
             if let Some(mut read) = self.primitive(&primitive, pose.is_skinned())? {
                 self.morph(&mut read, &primitive, pose)?;
                 self.skinned(&mut read, &primitive, pose)?;
+                self.marks(&mut read, &primitive)?;
+                if let Some(merged) = merged.as_ref().filter(|merged| manifold::agrees(&read, merged)) {
+                    let one = |i: u32| merged.get(&i).copied().unwrap_or(i);
+                    read.merged = read.triangles.iter().map(|t| t.map(one)).collect();
+                }
                 self.clean(&mut read, &primitive);
                 self.spend(read.positions.len(), read.triangles.len(), primitive.pointer())?;
                 self.check_uv_sets(&read, &primitive);
@@ -50,14 +58,22 @@ impl Loader<'_> {
             None
         } else {
             let materials = &self.scene.materials;
-            for primitive in &mut primitives {
+            primitives.par_iter_mut().for_each(|primitive| {
                 let material = materials.get(primitive.material as usize);
                 match material.and_then(MaterialDescription::tangent_uv_set) {
                     Some(uv_set) => tangent::complete(primitive, uv_set),
                     None => primitive.tangents.clear(),
                 }
-            }
+            });
             let mut mesh = merge(primitives);
+            if merged.is_some() && mesh.merged.is_empty() {
+                let pointer = format!("{}/extensions", json.pointer());
+                self.warn(
+                    &pointer,
+                    "the mesh is not as manifold as it says; equal positions are merged",
+                    None,
+                );
+            }
             mesh.name = json.name_or(|| format!("mesh {index}"));
             mesh.pointer = json.pointer().to_owned();
             self.scene.meshes.push(mesh);
@@ -72,7 +88,9 @@ impl Loader<'_> {
         let usable = |p: &Vec3| f64::from(p.abs().max_element()) <= FARTHEST && p.is_finite();
         let before = primitive.triangles.len();
         let positions = &primitive.positions;
-        primitive.triangles.retain(|t| t.iter().all(|&i| usable(&positions[i as usize])));
+        retain(&mut primitive.triangles, &mut primitive.merged, |t| {
+            t.iter().all(|&i| usable(&positions[i as usize]))
+        });
         let lost = before - primitive.triangles.len();
         for p in primitive.positions.iter_mut().filter(|p| !usable(p)) {
             *p = Vec3::ZERO;
@@ -85,7 +103,7 @@ impl Loader<'_> {
         }
         let positions = &primitive.positions;
         let before = primitive.triangles.len();
-        primitive.triangles.retain(|t| {
+        retain(&mut primitive.triangles, &mut primitive.merged, |t| {
             let [a, b, c] = t.map(|i| positions[i as usize]);
             a != b && b != c && c != a
         });
@@ -116,6 +134,15 @@ impl Loader<'_> {
             format!("a texture of {} uses TEXCOORD_{missing}, which is not there", material.pointer);
         self.warn(&json.pointer_to("attributes"), message, Some("its coordinates are taken to be (0, 0)"));
     }
+}
+
+/// Keeps the triangles for which something holds, and what belongs to them.
+fn retain(triangles: &mut Vec<[u32; 3]>, beside: &mut Vec<[u32; 3]>, keep: impl Fn(&[u32; 3]) -> bool) {
+    if !beside.is_empty() {
+        let mut kept = triangles.iter().map(&keep);
+        beside.retain(|_| kept.next().unwrap_or(false));
+    }
+    triangles.retain(keep);
 }
 
 /// Unit normals and tangents; a normal without direction becomes that of a triangle around it. Returns their number.
@@ -201,6 +228,11 @@ fn merge(mut primitives: Vec<Primitive>) -> MeshDescription {
     let has_colors = primitives.iter().any(|p| !p.colors.is_empty());
     let uv_sets = primitives.iter().map(|p| p.uvs.len()).max().unwrap_or(0);
     let mut mesh = MeshDescription { uvs: vec![Vec::new(); uv_sets], ..MeshDescription::default() };
+    if primitives.iter().all(|p| p.merged.len() == p.triangles.len())
+        && manifold::is_manifold(primitives.iter().flat_map(|p| p.merged.iter().copied()))
+    {
+        mesh.merged = primitives.iter_mut().flat_map(|p| std::mem::take(&mut p.merged)).collect();
+    }
     for mut primitive in primitives {
         let count = primitive.positions.len();
         let first = mesh.positions.len() as u32;

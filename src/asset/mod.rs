@@ -24,9 +24,14 @@ pub(crate) mod container;
 pub mod environment;
 mod error;
 mod extensions;
+mod guard;
 mod image;
+mod input;
 mod json;
+mod limits;
 mod loader;
+mod manifold;
+mod marks;
 mod material;
 mod mesh;
 mod morph;
@@ -48,12 +53,16 @@ pub use accessor::{Accessor, Component};
 pub use animation::{AnimationSummary, Moment, MutableProperty, PropertyKind};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
+pub(crate) use guard::guarded;
 pub use json::Json;
+pub use limits::Limits;
 pub use loader::Loader;
+pub use manifold::MergedVertices;
 pub use node::NodeContext;
 pub use opened::Asset;
 pub use primitive::DecodedPrimitive;
 pub use summary::*;
+pub use texture::ImageSource;
 pub use topology::Topology;
 
 use crate::extension::Registry;
@@ -76,42 +85,6 @@ pub struct LoadOptions {
     pub registry: Registry,
 }
 
-/// How much a file may ask for, so that a small hostile file cannot take the whole machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Bytes of all files together.
-    pub file_bytes: u64,
-    /// Numbers, strings, arrays, objects and so on of the JSON document; each takes up to 200 bytes.
-    pub json_values: u64,
-    /// Nodes of the document.
-    pub nodes: u64,
-    /// Instances of the scene.
-    pub instances: u64,
-    /// Vertices of all meshes together, and elements of an accessor.
-    pub vertices: u64,
-    /// Triangles of all meshes together.
-    pub triangles: u64,
-    /// Bytes of all decoded images together: 4 a pixel, 8 for 16-bit images.
-    pub image_bytes: u64,
-    /// Elements of morph targets, joint influences and keyframes that are read, together.
-    pub pose_elements: u64,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            file_bytes: 4 << 30,
-            json_values: 8_000_000,
-            nodes: 4_000_000,
-            instances: 4_000_000,
-            vertices: 50_000_000,
-            triangles: 50_000_000,
-            image_bytes: 1 << 30,
-            pose_elements: 1_000_000_000,
-        }
-    }
-}
-
 /// A file that was loaded.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -123,8 +96,8 @@ pub struct Loaded {
     pub summary: Summary,
 }
 
-/// Loads a `.gltf` or `.glb` file as it is at rest; which of them it is, its first bytes tell. [`Asset`] has the
-/// moments of its animations.
+/// Loads a `.gltf` or `.glb` file as it is at rest; which of them it is, its first bytes tell. Of a folder, the only such
+/// file in it is loaded, or the `.glb` of two that differ only in that. [`Asset`] has the moments of its animations.
 ///
 /// # Errors
 /// Where the file cannot be read, is not glTF 2.0, refers to what is not there, requires an extension that is not in
@@ -139,6 +112,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
 /// As [`load`].
 pub fn load_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Loaded, AssetError> {
     Asset::from_bytes(bytes, folder, options)?.load(&Moment::default())
+}
+
+/// Loads a `.gltf` or `.glb` file from a stream, such as standard input. It has no folder, so it cannot name files.
+///
+/// # Errors
+/// As [`load`], and where it names a file by a relative URI.
+pub fn load_stream(stream: impl std::io::Read, options: &LoadOptions) -> Result<Loaded, AssetError> {
+    Asset::from_stream(stream, options)?.load(&Moment::default())
 }
 
 impl<'a> Loader<'a> {
@@ -197,7 +178,12 @@ impl<'a> Loader<'a> {
             }
             None => self.all_roots()?,
         };
-        self.nodes(roots)
+        // Materials name all images: the first of them are decoded while meshes are read.
+        let files = self.images_to_decode()?;
+        let options = self.options;
+        let (decoded, read) = rayon::join(|| files.decode(options), || self.nodes(roots));
+        self.keep_images(decoded);
+        read
     }
 
     /// The scene to show: the option, else the file's default, else its first; `None` where it has no scenes.

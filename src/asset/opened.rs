@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::animation::{Moment, apply};
 use super::error::shorten;
 use super::loader::Loader;
-use super::{Accessor, AssetError, Bytes, LoadOptions, Loaded, Summary, container, uri};
+use super::{Accessor, AssetError, Bytes, ImageSource, LoadOptions, Loaded, Summary, container, input, uri};
 use crate::scene::ImageData;
 
 /// A `.gltf` or `.glb` file that can be read at several moments of its animations.
@@ -20,7 +20,8 @@ pub struct Asset {
     duplicates: Vec<String>,
     oddities: Vec<String>,
     bin: Option<Bytes>,
-    folder: PathBuf,
+    /// None for a stream.
+    folder: Option<PathBuf>,
     file_bytes: u64,
     options: LoadOptions,
     cache: Cache,
@@ -31,8 +32,8 @@ pub struct Asset {
 pub(crate) struct Cache {
     pub buffers: HashMap<usize, Bytes>,
     pub views: HashMap<usize, Bytes>,
-    /// Decoded images, by index in the file.
-    pub images: HashMap<usize, Arc<ImageData>>,
+    /// Decoded images, by where they are in the file.
+    pub images: HashMap<ImageSource, Arc<ImageData>>,
     /// Accessors of keyframes, by index in the file.
     pub keyframes: HashMap<usize, Arc<Accessor>>,
     /// First and last time of keyframes, or what is wrong with them, by the pointer of their accessor.
@@ -40,11 +41,13 @@ pub(crate) struct Cache {
 }
 
 impl Asset {
-    /// Opens a file; which kind it is, its first bytes tell.
+    /// Opens a file; which kind it is, its first bytes tell. Of a folder, the only such file in it is opened, or the
+    /// `.glb` of two that differ only in that.
     ///
     /// # Errors
     /// Where the file cannot be read, or is not JSON in a sound container.
     pub fn open(path: &Path, options: &LoadOptions) -> Result<Self, AssetError> {
+        let path = &input::document_in(path)?;
         let bytes = uri::document(path, options.limits.file_bytes)?;
         Self::from_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
     }
@@ -54,6 +57,22 @@ impl Asset {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_bytes(bytes: Vec<u8>, folder: &Path, options: &LoadOptions) -> Result<Self, AssetError> {
+        Self::from_document(bytes, Some(folder.to_owned()), options)
+    }
+
+    /// Opens a file from a stream, such as standard input. It has no folder, so it cannot name files.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and, when it is read, where it names a file by a relative URI.
+    pub fn from_stream(stream: impl std::io::Read, options: &LoadOptions) -> Result<Self, AssetError> {
+        Self::from_document(uri::stream(stream, options.limits.file_bytes)?, None, options)
+    }
+
+    fn from_document(
+        bytes: Vec<u8>,
+        folder: Option<PathBuf>,
+        options: &LoadOptions,
+    ) -> Result<Self, AssetError> {
         let bytes = Bytes::from(bytes);
         let parts = container::split(&bytes)?;
         let json_bytes = bytes.get(parts.json).unwrap_or_default();
@@ -63,7 +82,7 @@ impl Asset {
             duplicates,
             oddities: parts.oddities,
             bin: parts.bin.and_then(|range| bytes.slice(range.start, range.len())),
-            folder: folder.to_owned(),
+            folder,
             file_bytes: bytes.len() as u64,
             options: options.clone(),
             cache: Cache::default(),
@@ -89,7 +108,7 @@ impl Asset {
     }
 
     fn load_with(&self, cache: Cache, moment: &Moment) -> Result<(Loaded, Cache), AssetError> {
-        let mut loader = Loader::new(&self.document, &self.options, &self.folder);
+        let mut loader = Loader::new(&self.document, &self.options, self.folder.as_deref());
         loader.totals.file_bytes = self.file_bytes;
         loader.bin = self.bin.clone();
         loader.cache = cache;
@@ -107,7 +126,7 @@ impl Asset {
         if !edits.is_empty() {
             animated = self.document.clone();
             apply(&mut animated, &edits);
-            loader = Loader::new(&animated, &self.options, &self.folder).continuing(loader);
+            loader = Loader::new(&animated, &self.options, self.folder.as_deref()).continuing(loader);
         }
         loader.read()?;
         loader.decode_images()?;

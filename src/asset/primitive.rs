@@ -8,6 +8,7 @@ use super::accessor::{Accessor, Component};
 use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
+use super::marks::Marks;
 use super::texture::MOST_UV_SETS;
 use super::topology::Topology;
 use crate::scene::NO_MATERIAL;
@@ -33,11 +34,17 @@ pub(crate) struct Primitive {
     pub uvs: Vec<Vec<Vec2>>,
     pub colors: Vec<Vec4>,
     pub triangles: Vec<[u32; 3]>,
+    /// The triangles after vertices that are one were merged; empty where that is not known.
+    pub merged: Vec<[u32; 3]>,
     pub material: u32,
     /// Read only for skins.
     pub influences: Vec<Influences>,
     /// Whether morph targets displaced the colours, which then have to be brought back to \[0, 1\].
     pub morphed_colors: bool,
+    /// Points or lines and their indices, which are yet to be given a surface.
+    pub marks: Option<(Marks, Vec<u32>)>,
+    /// Attributes that an extension decompressed and that have not been read yet.
+    pub decoded: BTreeMap<String, Elements>,
 }
 
 /// Four influences of joints on each vertex: `JOINTS_n` and `WEIGHTS_n`.
@@ -51,7 +58,7 @@ pub(crate) struct Influences {
 const MOST_INFLUENCE_SETS: usize = 64;
 
 /// Elements of an attribute and the number of their components.
-type Elements = (usize, Vec<[f32; 4]>);
+pub(crate) type Elements = (usize, Vec<[f32; 4]>);
 
 impl Loader<'_> {
     /// Reads a primitive, with the influences of joints if it is `skinned`; `None`, with a message, if it has no
@@ -62,21 +69,19 @@ impl Loader<'_> {
         skinned: bool,
     ) -> Result<Option<Primitive>, AssetError> {
         json.as_object()?;
-        let topology = match json.usize("mode")?.unwrap_or(4) {
-            4 => Topology::Triangles,
+        let mode = json.usize("mode")?.unwrap_or(4);
+        let mut marks = Marks::from_mode(mode);
+        let topology = match mode {
+            0..=4 => Topology::Triangles,
             5 => Topology::Strip,
             6 => Topology::Fan,
-            0..=3 => {
-                self.note(json.pointer(), "points and lines have no surface and are left out");
-                return Ok(None);
-            }
             mode => {
                 self.invalid(&json.pointer_to("mode"), format!("{mode} is no mode of glTF"))?;
                 return Ok(None);
             }
         };
         let mut decoded = self.decompressed(json)?.unwrap_or_default();
-        let topology = decoded.topology.unwrap_or(topology);
+        let topology = decoded.topology.inspect(|_| marks = None).unwrap_or(topology);
         let Some(attributes) = json.object("attributes")? else {
             self.invalid(json.pointer(), "has no `attributes` and is left out")?;
             return Ok(None);
@@ -156,14 +161,22 @@ impl Loader<'_> {
             },
         };
         let indices_pointer = json.pointer_to("indices");
-        if !topology.is_whole(indices.len()) {
-            self.invalid(&indices_pointer, format!("{} indices do not make whole triangles", indices.len()))?;
+        if !marks.map_or_else(|| topology.is_whole(indices.len()), |marks| marks.is_whole(indices.len())) {
+            let what = if marks.is_some() { "lines" } else { "triangles" };
+            self.invalid(&indices_pointer, format!("{} indices do not make whole {what}", indices.len()))?;
         }
         if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
             let message = format!("index {index} is beyond the {count} vertices of the primitive");
+            if marks.is_some() {
+                self.invalid(&indices_pointer, format!("{message}; its points or lines are left out"))?;
+                return Ok(None);
+            }
             return Err(AssetError::invalid(indices_pointer, message));
         }
-        out.triangles = topology.triangles(&indices);
+        match marks {
+            Some(marks) => out.marks = Some((marks, indices)),
+            None => out.triangles = topology.triangles(&indices),
+        }
         out.material = match self.alternative(json)?.or(json.usize("material")?) {
             Some(index) => {
                 self.entry("materials", index, &json.pointer_to("material"))?;
@@ -171,6 +184,7 @@ impl Loader<'_> {
             }
             None => NO_MATERIAL,
         };
+        out.decoded = decoded.attributes;
         Ok(Some(out))
     }
 

@@ -10,6 +10,7 @@ use std::collections::{HashMap, HashSet};
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::mesh::flatten;
 use super::primitive::Primitive;
@@ -77,15 +78,25 @@ pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize) {
 /// How many pairs of corners MikkTSpace may compare: at each place, all corners with all different ones.
 fn comparisons(primitive: &Primitive, uvs: &[Vec2]) -> u64 {
     let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-    let mut places: HashMap<[u32; 3], (u64, HashSet<[u32; 5]>)> = HashMap::new();
-    for &i in primitive.triangles.iter().flatten() {
-        let i = i as usize;
-        let place = places.entry(bits(primitive.positions[i])).or_default();
-        let ([x, y, z], uv) = (bits(primitive.normals[i]), uvs[i]);
-        place.0 += 1;
-        place.1.insert([x, y, z, uv.x.to_bits(), uv.y.to_bits()]);
-    }
-    places.values().map(|(corners, different)| corners * different.len() as u64).sum()
+    let mut corners = vec![0_u64; primitive.positions.len()];
+    primitive.triangles.iter().flatten().for_each(|&i| corners[i as usize] += 1);
+    let used = (0..corners.len()).filter(|&i| corners[i] > 0);
+    let mut places: Vec<([u32; 3], u32)> = used.map(|i| (bits(primitive.positions[i]), i as u32)).collect();
+    places.par_sort_unstable();
+    let mut different = HashSet::new();
+    let mut pairs = |place: &[([u32; 3], u32)]| {
+        let all: u64 = place.iter().map(|&(_, i)| corners[i as usize]).sum();
+        if place.len() == 1 {
+            return all;
+        }
+        different.clear();
+        different.extend(place.iter().map(|&(_, i)| {
+            let ([x, y, z], uv) = (bits(primitive.normals[i as usize]), uvs[i as usize]);
+            [x, y, z, uv.x.to_bits(), uv.y.to_bits()]
+        }));
+        all * different.len() as u64
+    };
+    places.chunk_by(|a, b| a.0 == b.0).map(&mut pairs).sum()
 }
 
 /// The directions in which u and v grow over a triangle, as long as the triangle is large; `None` if u does not grow.

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use glam::Affine2;
 use rayon::prelude::*;
 
+use super::LoadOptions;
+use super::buffer::Bytes;
 use super::error::AssetError;
 use super::image;
 use super::json::Json;
@@ -19,6 +21,21 @@ pub(crate) const MOST_UV_SETS: usize = 16;
 
 /// Images decoded at a time, so that their files need not all be in memory.
 const DECODED_TOGETHER: usize = 16;
+
+/// An image of the file, and which of its layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ImageSource {
+    /// Index in `images`.
+    pub image: usize,
+    /// Layer of an array of images; 0 where there is only one.
+    pub layer: usize,
+}
+
+impl From<usize> for ImageSource {
+    fn from(image: usize) -> Self {
+        Self { image, layer: 0 }
+    }
+}
 
 impl Loader<'_> {
     /// The `textureInfo` at `key` of `json`, if present and usable.
@@ -76,7 +93,7 @@ impl Loader<'_> {
         }
         let source = match source {
             Some(source) => Some(source),
-            None => json.usize("source")?,
+            None => json.usize("source")?.map(ImageSource::from),
         };
         let texture = match source {
             Some(source) => {
@@ -137,73 +154,83 @@ impl Loader<'_> {
         })
     }
 
-    /// The scene's image for image `index` of the file; it is decoded later.
-    fn image(&mut self, index: usize, from: &str) -> Result<usize, AssetError> {
-        if let Some(&known) = self.images.get(&index) {
+    /// The scene's image for an image of the file; it is decoded later.
+    fn image(&mut self, source: ImageSource, from: &str) -> Result<usize, AssetError> {
+        if let Some(&known) = self.images.get(&source) {
             return Ok(known);
         }
+        let index = source.image;
         let json = self.entry("images", index, from)?;
         let name = json.name_or(|| match json.str("uri") {
             Ok(Some(uri)) if uri.len() <= 256 && !uri.starts_with("data:") => uri.to_owned(),
             _ => format!("image {index}"),
         });
         self.scene.images.push(Arc::new(placeholder(name)));
-        self.image_sources.push(index);
+        self.image_sources.push(source);
         let slot = self.scene.images.len() - 1;
-        self.images.insert(index, slot);
+        self.images.insert(source, slot);
         Ok(slot)
     }
 
-    /// Decodes the images in use, and takes back the references to those that cannot be decoded.
-    pub(crate) fn decode_images(&mut self) -> Result<(), AssetError> {
-        let sources = std::mem::take(&mut self.image_sources);
-        let limits = &self.options.limits;
-        let registry = &self.options.registry;
-        let mut usable = vec![false; sources.len()];
-        let mut fresh = Vec::new();
-        for (slot, source) in sources.iter().enumerate() {
-            match self.cache.images.get(source) {
-                Some(image) => {
-                    self.scene.images[slot] = Arc::clone(image);
-                    usable[slot] = true;
+    /// Finds the next files of images in use that are yet to be decoded, as many as are decoded together.
+    ///
+    /// # Errors
+    /// Where the images are larger than the limits allow.
+    pub(crate) fn images_to_decode(&mut self) -> Result<ImageFiles, AssetError> {
+        let mut files = Vec::new();
+        let first = self.decoded_images;
+        let last = (first + DECODED_TOGETHER).min(self.image_sources.len());
+        for slot in first..last {
+            let source = self.image_sources[slot];
+            if let Some(image) = self.cache.images.get(&source) {
+                self.scene.images[slot] = Arc::clone(image);
+                self.usable_images.insert(slot);
+                files.push((None, source.layer));
+                continue;
+            }
+            let ImageSource { image: index, layer } = source;
+            let file = self.image_file(index)?;
+            let bytes = file.as_ref().and_then(|b| image::decoded_bytes(b, &self.options.registry));
+            self.totals.image_bytes = self.totals.image_bytes.saturating_add(bytes.unwrap_or(0));
+            let (needed, limit) = (self.totals.image_bytes, self.options.limits.image_bytes);
+            let what = "all images so far, in bytes once decoded,";
+            Self::within(needed, limit, &format!("/images/{index}"), what, "image_bytes")?;
+            files.push((file, layer));
+        }
+        self.decoded_images = last;
+        Ok(ImageFiles { first, files })
+    }
+
+    /// Puts decoded images where they belong.
+    pub(crate) fn keep_images(&mut self, decoded: DecodedImages) {
+        for (slot, result) in (decoded.first..).zip(decoded.images) {
+            match result {
+                Some(Ok(image)) => {
+                    let name = self.scene.images[slot].name.clone();
+                    let image = Arc::new(ImageData { name, ..image });
+                    self.scene.images[slot] = Arc::clone(&image);
+                    self.cache.images.insert(self.image_sources[slot], image);
+                    self.usable_images.insert(slot);
                 }
-                None => fresh.push(slot),
+                Some(Err(message)) => {
+                    let pointer = format!("/images/{}", self.image_sources[slot].image);
+                    let message = format!("the image cannot be decoded and is left out: {message}");
+                    self.warn(&pointer, message, None);
+                }
+                None => {}
             }
         }
-        for together in fresh.chunks(DECODED_TOGETHER) {
-            let mut files = Vec::new();
-            for &slot in together {
-                let pointer = format!("/images/{}", sources[slot]);
-                let file = self.image_file(sources[slot])?;
-                self.totals.image_bytes += file.as_ref().and_then(|b| image::decoded_bytes(b)).unwrap_or(0);
-                let needed = self.totals.image_bytes;
-                let what = "all images so far, in bytes once decoded,";
-                Self::within(needed, limits.image_bytes, &pointer, what, "image_bytes")?;
-                files.push(file);
-            }
-            let decode =
-                |file: &Option<super::Bytes>| file.as_ref().map(|b| image::decode(b, registry, limits));
-            let decoded: Vec<Option<Result<ImageData, String>>> = files.par_iter().map(decode).collect();
-            for (&slot, result) in together.iter().zip(decoded) {
-                match result {
-                    Some(Ok(image)) => {
-                        let name = self.scene.images[slot].name.clone();
-                        let image = Arc::new(ImageData { name, ..image });
-                        self.scene.images[slot] = Arc::clone(&image);
-                        self.cache.images.insert(sources[slot], image);
-                        usable[slot] = true;
-                    }
-                    Some(Err(message)) => {
-                        let pointer = format!("/images/{}", sources[slot]);
-                        let message = format!("the image cannot be decoded and is left out: {message}");
-                        self.warn(&pointer, message, None);
-                    }
-                    None => {}
-                }
-            }
+    }
+
+    /// Decodes the images in use that have not been, and takes back the references to those that cannot be decoded.
+    pub(crate) fn decode_images(&mut self) -> Result<(), AssetError> {
+        while self.decoded_images < self.image_sources.len() {
+            let decoded = self.images_to_decode()?.decode(self.options);
+            self.keep_images(decoded);
         }
         let textures = &self.scene.textures;
-        let good = |r: &TextureRef| usable.get(textures[r.texture].image).copied().unwrap_or(false);
+        let usable = &self.usable_images;
+        let good = |r: &TextureRef| usable.contains(&textures[r.texture].image);
         for slot in self.scene.materials.iter_mut().flat_map(|m| m.texture_slots_mut()) {
             if slot.as_ref().is_some_and(|r| !good(r)) {
                 *slot = None;
@@ -212,8 +239,31 @@ impl Loader<'_> {
         Ok(())
     }
 
+    /// The pixels of an image of the file, decoded at once; `None`, with a warning, where they cannot be had. Images
+    /// of materials are better left to [`texture_slot`](Self::texture_slot), which decodes them together.
+    ///
+    /// # Errors
+    /// Where there is no such image, or it is larger than the limits allow.
+    pub fn image_pixels(&mut self, source: ImageSource, from: &str) -> Result<Option<ImageData>, AssetError> {
+        self.entry("images", source.image, from)?;
+        let Some(file) = self.image_file(source.image)? else { return Ok(None) };
+        let (limits, registry) = (&self.options.limits, &self.options.registry);
+        let bytes = image::decoded_bytes(&file, registry).unwrap_or(0);
+        self.totals.image_bytes = self.totals.image_bytes.saturating_add(bytes);
+        let what = "all images so far, in bytes once decoded,";
+        Self::within(self.totals.image_bytes, limits.image_bytes, from, what, "image_bytes")?;
+        match image::decode(&file, source.layer, registry, limits) {
+            Ok(pixels) => Ok(Some(pixels)),
+            Err(message) => {
+                let pointer = format!("/images/{}", source.image);
+                self.warn(&pointer, format!("the image cannot be decoded and is left out: {message}"), None);
+                Ok(None)
+            }
+        }
+    }
+
     /// The bytes of image `index` of the file, or `None`, with a warning, where they cannot be had.
-    fn image_file(&mut self, index: usize) -> Result<Option<super::Bytes>, AssetError> {
+    fn image_file(&mut self, index: usize) -> Result<Option<Bytes>, AssetError> {
         let json = self.entry("images", index, "/images")?;
         let view = json.usize("bufferView")?;
         let uri = json.str("uri")?;
@@ -247,6 +297,28 @@ impl Loader<'_> {
             self.invalid(&json.pointer_to("mimeType"), format!("the image is {actual}"))?;
         }
         Ok(Some(bytes))
+    }
+}
+
+/// Files of images that are decoded together, and which of the scene's images they are.
+pub(crate) struct ImageFiles {
+    first: usize,
+    files: Vec<(Option<Bytes>, usize)>,
+}
+
+/// What has become of them; `None` where there was no file.
+pub(crate) struct DecodedImages {
+    first: usize,
+    images: Vec<Option<Result<ImageData, String>>>,
+}
+
+impl ImageFiles {
+    /// Decodes the files, on all threads.
+    pub fn decode(&self, options: &LoadOptions) -> DecodedImages {
+        let decode = |(file, layer): &(Option<Bytes>, usize)| {
+            file.as_ref().map(|b| image::decode(b, *layer, &options.registry, &options.limits))
+        };
+        DecodedImages { first: self.first, images: self.files.par_iter().map(decode).collect() }
     }
 }
 

@@ -100,7 +100,9 @@ pub(crate) fn file(
         }
         tried.push(path);
         let path = locate(base, path, allow_outside).map_err(|why| {
-            refuse(pointer, uri, why).with_advice("see the option that allows files outside")
+            refuse(pointer, uri, why).with_advice(
+                "if the file is to be trusted, allow it to name files outside (`--allow-outside`)",
+            )
         })?;
         match read(base, &path, allow_outside, limit) {
             Ok(bytes) => return Ok(Payload { bytes, oddity: oddity.map(str::to_owned) }),
@@ -205,6 +207,32 @@ fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(ReadError::Other)?;
     if bytes.len() as u64 > limit {
         return Err(ReadError::TooLarge(bytes.len() as u64));
+    }
+    Ok(bytes)
+}
+
+/// What is said of a relative URI in a document that came from a stream.
+pub(crate) fn without_folder(pointer: &str, uri: &str) -> AssetError {
+    refuse(pointer, uri, "the document came from a stream, and so has no folder that this file could lie in")
+        .with_advice("give the path of the file instead, or pack everything into one .glb")
+}
+
+/// Reads a document from a stream to its end.
+pub(crate) fn stream(stream: impl Read, limit: u64) -> Result<Vec<u8>, AssetError> {
+    let mut bytes = Vec::new();
+    stream.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|source| AssetError::Io {
+        pointer: String::new(),
+        path: PathBuf::from("standard input"),
+        source,
+    })?;
+    if bytes.len() as u64 > limit {
+        return Err(AssetError::Limit {
+            pointer: String::new(),
+            what: "the document, in bytes,".to_owned(),
+            needed: bytes.len() as u64,
+            limit,
+            field: "file_bytes",
+        });
     }
     Ok(bytes)
 }

@@ -37,11 +37,27 @@ pub(super) enum Command {
     Validate(ValidateArgs),
 }
 
+/// What every command that reads a glTF file has to know of it.
+#[derive(Debug, clap::Args)]
+pub(super) struct LoadArgs {
+    /// The .gltf or .glb file, a folder that holds only one, or - for standard input
+    pub input: PathBuf,
+
+    /// Let the file ask for more (or less) than usual, such as image-bytes=4G; may be repeated. Names: file-bytes,
+    /// json-values, nodes, instances, vertices, triangles, image-bytes
+    #[arg(long = "limit", value_name = "NAME=N", value_parser = limit, hide_short_help = true)]
+    pub limits: Vec<(String, u64)>,
+
+    /// Let the file name files outside of its folder
+    #[arg(long, hide_short_help = true)]
+    pub allow_outside: bool,
+}
+
 /// What every command that renders has to know of the scene.
 #[derive(Debug, clap::Args)]
 pub(super) struct SceneArgs {
-    /// The .gltf or .glb file
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub load: LoadArgs,
 
     /// Another seed gives another noise
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -252,8 +268,8 @@ const MAX_SPP: i64 = 1 << 28;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct InspectArgs {
-    /// The .gltf or .glb file
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub load: LoadArgs,
 
     /// Scene of the file [default: the file's own choice]
     #[arg(long, value_name = "N")]

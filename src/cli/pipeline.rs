@@ -2,6 +2,7 @@
 //! errors become [`Failure`]s.
 
 use super::Failure;
+use super::args::LoadArgs;
 use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, AssetError, environment::load_environment};
@@ -35,16 +36,29 @@ pub(super) fn models(cosines: Cosines) -> Registry {
     models
 }
 
+/// The path that stands for standard input.
+const STANDARD_INPUT: &str = "-";
+
 /// Opens a glTF file.
 pub(super) fn open(
-    path: &Path,
+    args: &LoadArgs,
     scene: Option<usize>,
     variant: Option<&str>,
     strict: bool,
 ) -> Result<Asset, Failure> {
     let variant = variant.map(str::to_owned);
-    let options = asset::LoadOptions { scene, variant, strict, ..Default::default() };
-    Asset::open(path, &options).map_err(|error| cannot_load(path, &error))
+    let allow_outside = args.allow_outside;
+    let mut options = asset::LoadOptions { scene, variant, strict, allow_outside, ..Default::default() };
+    for (name, value) in &args.limits {
+        options.limits.set(name, *value);
+    }
+    let path = &args.input;
+    let opened = if path.as_os_str() == STANDARD_INPUT {
+        Asset::from_stream(std::io::stdin().lock(), &options)
+    } else {
+        Asset::open(path, &options)
+    };
+    opened.map_err(|error| cannot_load(path, &error))
 }
 
 /// Reads the scene of a glTF file at a moment.
@@ -54,7 +68,8 @@ pub(super) fn load(path: &Path, asset: &mut Asset, moment: &Moment) -> Result<Lo
 
 fn cannot_load(path: &Path, error: &AssetError) -> Failure {
     let text = error.to_string();
-    let shown = path.display().to_string();
+    let from_stream = path.as_os_str() == STANDARD_INPUT;
+    let shown = if from_stream { "standard input".to_owned() } else { path.display().to_string() };
     let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
     Failure::Cannot { message, advice: error.advice() }
 }
@@ -188,7 +203,7 @@ pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraD
 
 /// Whether a mesh is closed, and where it is not.
 pub(super) fn topology(mesh: &MeshDescription) -> Topology {
-    Topology::analyse(&MeshGeometry::build(&mesh.positions, &mesh.triangles))
+    Topology::analyse_merged(&MeshGeometry::build(&mesh.positions, &mesh.triangles), &mesh.merged)
 }
 
 #[cfg(test)]

@@ -154,7 +154,7 @@ fn attributes(
         recorded["exposure"] = json!(args.exposure);
     }
     let pairs = [
-        ("scene", file_name(&args.input)),
+        ("scene", file_name(&args.load.input)),
         ("options", recorded.to_string()),
         ("spp", spp.to_string()),
         ("seed", options.seed.to_string()),
@@ -184,7 +184,7 @@ impl Measured {
             .collect();
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "input": job.args.scene.input.to_string_lossy(),
+            "input": job.args.scene.load.input.to_string_lossy(),
             "width": options.width,
             "height": options.height,
             "spp": rendered.spp,

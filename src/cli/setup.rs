@@ -57,15 +57,15 @@ impl Prepared {
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let mut watch = Stopwatch::start();
-        let loading = format!("loading {}", file_name(&args.input));
+        let loading = format!("loading {}", file_name(&args.load.input));
         progress.phase(&loading);
-        let asset = pipeline::open(&args.input, args.scene, args.variant.as_deref(), args.strict);
+        let asset = pipeline::open(&args.load, args.scene, args.variant.as_deref(), args.strict);
         progress.clear();
         let mut asset = asset?;
         let mut moment = args.play.moment(&asset, shutter.is_some(), reporter)?;
         moment.time += shutter.map_or(0.0, |[open, _]| open);
         progress.phase(&loading);
-        let loaded = pipeline::load(&args.input, &mut asset, &moment);
+        let loaded = pipeline::load(&args.load.input, &mut asset, &moment);
         progress.clear();
         let loaded = loaded?;
         reporter.diagnostics(&loaded.diagnostics);
@@ -108,7 +108,7 @@ impl Prepared {
     /// scene stays where it is, and so does one that is not there at that moment.
     pub fn at(&mut self, time: f64, args: &SceneArgs) -> Result<(Scene, CameraDescription), Failure> {
         let moment = Moment { time, ..self.moment.clone() };
-        let mut description = pipeline::load(&args.input, &mut self.asset, &moment)?.scene;
+        let mut description = pipeline::load(&args.load.input, &mut self.asset, &moment)?.scene;
         let camera = choose_camera(args.camera.as_deref(), &description).ok().flatten().cloned();
         description.environment = self.scene.description.environment.clone();
         if let (GroundArg::Color(reflectance), Some(bounds)) = (args.ground, self.bounds) {

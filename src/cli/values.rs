@@ -2,6 +2,7 @@
 
 use super::names;
 use super::pipeline::{Cosines, Microfacet, subsurface_models};
+use crate::asset::Limits;
 use crate::film::ToneMap;
 use crate::optics::diffusion::Coefficients;
 use crate::optics::presets::Preset;
@@ -74,6 +75,27 @@ pub(super) fn number(text: &str) -> Result<f32, String> {
 
 pub(super) fn positive(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|&x| x >= 0.0).ok_or_else(|| "a number of at least 0 is expected".to_owned())
+}
+
+/// A limit of the loader by its name, as in `vertices=200M`.
+pub(super) fn limit(text: &str) -> Result<(String, u64), String> {
+    let (name, value) = text.split_once('=').ok_or("write it as NAME=N, for example image-bytes=4G")?;
+    if !Limits::NAMES.contains(&name) {
+        return Err(names::unknown("limit", name, Limits::NAMES));
+    }
+    let digits = value.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit: u64 = match &value[digits.len()..] {
+        "" => 1,
+        "k" => 1_000,
+        "M" => 1_000_000,
+        "G" => 1_000_000_000,
+        "Ki" => 1 << 10,
+        "Mi" => 1 << 20,
+        "Gi" => 1 << 30,
+        other => return Err(format!("{other} is none of the units k, M, G, Ki, Mi and Gi")),
+    };
+    let value = digits.parse::<u64>().ok().and_then(|n| n.checked_mul(unit));
+    Ok((name.to_owned(), value.ok_or("a whole number is expected, for example 200M")?))
 }
 
 pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
@@ -229,6 +251,19 @@ mod tests {
         ] {
             let error = environment(wrong).unwrap_err();
             assert!(error.contains(advice), "{wrong}: {error}");
+        }
+        assert_eq!(limit("vertices=200M"), Ok(("vertices".to_owned(), 200_000_000)));
+        assert_eq!(limit("image-bytes=3Gi"), Ok(("image-bytes".to_owned(), 3 << 30)));
+        assert_eq!(limit("nodes=0"), Ok(("nodes".to_owned(), 0)));
+        for (wrong, advice) in [
+            ("vertices", "NAME=N"),
+            ("vertexes=1", "vertices"),
+            ("nodes=1T", "units"),
+            ("nodes=-1", "whole number"),
+            ("nodes=99999999999999999999", "whole number"),
+            ("nodes=18446744073709551615k", "whole number"),
+        ] {
+            assert!(limit(wrong).unwrap_err().contains(advice), "{wrong}");
         }
         let numbers = Coefficients { sigma_a: 20.0, sigma_s: 1500.0, g: 0.4, eta: 1.4 };
         assert_eq!(medium("20, 1500,0.4,1.4"), Ok(MediumArg::Numbers(numbers)));

@@ -13,19 +13,25 @@ mod anisotropy;
 mod clearcoat;
 mod diffuse_transmission;
 mod dispersion;
+mod draco;
 mod emissive_strength;
 mod gpu_instancing;
 mod ior;
 mod iridescence;
+mod lights_image_based;
 mod lights_punctual;
+mod mesh_manifold;
 mod mesh_quantization;
+mod meshopt;
 mod node_visibility;
 mod scatter;
 mod sheen;
 mod specular;
 mod specular_glossiness;
 mod subsurface;
+mod texture_ktx;
 mod texture_transform;
+mod texture_webp;
 mod transmission;
 mod unlit;
 mod variants;
@@ -35,7 +41,10 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use crate::asset::{AssetError, Bytes, DecodedPrimitive, Json, Limits, Loader, MutableProperty, NodeContext};
+use crate::asset::{
+    AssetError, Bytes, DecodedPrimitive, ImageSource, Json, Limits, Loader, MergedVertices, MutableProperty,
+    NodeContext,
+};
 use crate::scene::{ImageData, MaterialDescription, TextureRef};
 
 /// Usual values of [`Extension::order`]; anything between is allowed.
@@ -99,20 +108,31 @@ pub trait Extension: Send + Sync {
         Ok(())
     }
 
-    /// The index of the image that a texture should use instead of its `source`; `None` to leave it.
+    /// The image that a texture should use instead of its `source`; `None` to leave it.
     ///
     /// # Errors
     /// Where the extension's content makes no sense.
-    fn texture_source(&self, loader: &mut Loader<'_>, own: &Json<'_>) -> Result<Option<usize>, AssetError> {
+    fn texture_source(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+    ) -> Result<Option<ImageSource>, AssetError> {
         let _ = (loader, own);
         Ok(None)
     }
 
+    /// Bytes that an image file of a kind that core glTF lacks will take once decoded, from its header alone; `None`
+    /// if `bytes` are not of that kind, or are broken.
+    fn image_bytes(&self, bytes: &[u8]) -> Option<u64> {
+        let _ = bytes;
+        None
+    }
+
     /// Decodes an image file of a kind that core glTF lacks; `None` if `bytes` are not of that kind. Called for
     /// every image that is neither PNG nor JPEG, from several threads at once. The message of a failure becomes a
-    /// warning. `limits.image_bytes` is to be kept before anything is allocated.
-    fn decode_image(&self, bytes: &[u8], limits: &Limits) -> Option<Result<ImageData, String>> {
-        let _ = (bytes, limits);
+    /// warning. `layer` is that of an [`ImageSource`]. `limits.image_bytes` is to be kept before anything is allocated.
+    fn decode_image(&self, bytes: &[u8], layer: usize, limits: &Limits) -> Option<Result<ImageData, String>> {
+        let _ = (bytes, layer, limits);
         None
     }
 
@@ -154,6 +174,21 @@ pub trait Extension: Send + Sync {
         own: &Json<'_>,
     ) -> Result<Option<usize>, AssetError> {
         let _ = (loader, own);
+        Ok(None)
+    }
+
+    /// Reads the extension of a mesh: which of its vertices are one, although they are stored more than once; `None` to
+    /// take equal positions for that. The loader verifies it.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn merged_vertices(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        mesh: &Json<'_>,
+    ) -> Result<Option<MergedVertices>, AssetError> {
+        let _ = (loader, own, mesh);
         Ok(None)
     }
 
@@ -233,23 +268,32 @@ impl Registry {
     /// The extensions of this crate.
     pub fn standard() -> Self {
         let mut registry = Self::empty();
-        let table: [Box<dyn Extension>; 23] = [
+        let table: Vec<Box<dyn Extension>> = vec![
             Box::new(animation_pointer::AnimationPointer),
             Box::new(anisotropy::Anisotropy),
             Box::new(clearcoat::Clearcoat),
             Box::new(diffuse_transmission::DiffuseTransmission),
             Box::new(dispersion::Dispersion),
+            Box::new(draco::Draco),
             Box::new(emissive_strength::EmissiveStrength),
             Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
             Box::new(iridescence::Iridescence),
+            Box::new(lights_image_based::LightsImageBased),
             Box::new(lights_punctual::LightsPunctual),
+            Box::new(mesh_manifold::MeshManifold),
             Box::new(mesh_quantization::MeshQuantization),
+            Box::new(meshopt::Meshopt("EXT_meshopt_compression")),
+            Box::new(meshopt::Meshopt("KHR_meshopt_compression")),
             Box::new(node_visibility::NodeVisibility),
             Box::new(sheen::Sheen),
             Box::new(specular::Specular),
             Box::new(specular_glossiness::SpecularGlossiness),
+            Box::new(texture_ktx::TextureKtx("KHR_texture_basisu")),
+            Box::new(texture_ktx::TextureKtx("KHR_texture_ktx")),
+            Box::new(texture_ktx::TextureKtx("EXT_texture_astc")),
             Box::new(texture_transform::TextureTransform),
+            Box::new(texture_webp::TextureWebp),
             Box::new(transmission::Transmission),
             Box::new(unlit::Unlit),
             Box::new(variants::Variants),
@@ -294,6 +338,8 @@ impl std::fmt::Debug for Registry {
     }
 }
 
+#[cfg(test)]
+mod compressed_tests;
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]

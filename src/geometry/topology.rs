@@ -64,7 +64,14 @@ type EdgeUse = (u32, u32, u32);
 impl Topology {
     /// Analyses a mesh. Deterministic.
     pub fn analyse(mesh: &MeshGeometry) -> Self {
-        let vertices = merged_vertices(mesh);
+        Self::analyse_merged(mesh, &[])
+    }
+
+    /// As [`Self::analyse`], where it is known which vertices are one: `merged` has the vertices of each triangle, by any
+    /// numbers. If it is not as long as there are triangles, equal positions are merged.
+    pub fn analyse_merged(mesh: &MeshGeometry, merged: &[[u32; 3]]) -> Self {
+        let vertices =
+            if merged.len() == mesh.triangle_count() { first_corners(merged) } else { merged_vertices(mesh) };
         let used = distinct_triangles(&vertices);
         let edges = edge_uses(&vertices, &used, mesh.is_reversed());
         let mut sets = OrientedSets::new(vertices.len());
@@ -207,6 +214,14 @@ impl Topology {
         };
         (0..count).into_par_iter().map(around).collect()
     }
+}
+
+/// Vertices numbered by the first corner that has them.
+fn first_corners(merged: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut first = std::collections::HashMap::new();
+    let corners = merged.iter().flatten().zip(0_u32..);
+    let numbers: Vec<u32> = corners.map(|(&vertex, corner)| *first.entry(vertex).or_insert(corner)).collect();
+    numbers.as_chunks::<3>().0.to_vec()
 }
 
 /// Vertex numbers of each triangle after merging equal positions; three equal numbers for dropped triangles.

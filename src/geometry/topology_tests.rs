@@ -25,6 +25,21 @@ fn fixed(mut mesh: Triangles) -> Topology {
     topology
 }
 
+/// Two tetrahedra that share an edge of positions: merged by position, four triangles meet there.
+#[test]
+fn solids_that_touch_are_closed_where_it_is_known_which_vertices_are_one() {
+    let positions = [Vec3::ZERO, Vec3::Z, Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y];
+    let first = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let second = first.map(|t: [u32; 3]| t.map(|i| if i < 2 { i } else { i + 2 }));
+    let triangles = [first, second].concat();
+    let mesh = MeshGeometry::build(&positions, &triangles);
+    assert!(!Topology::analyse(&mesh).is_closed());
+    let apart = second.map(|t| t.map(|i| i + 100));
+    let known = Topology::analyse_merged(&mesh, &[first, apart].concat());
+    assert!(known.is_closed() && known.components.len() == 2);
+    assert!(known.components.iter().all(|c| (c.signed_volume.abs() - 1.0 / 6.0).abs() < 1e-6));
+}
+
 #[test]
 fn a_solid_is_closed_whatever_its_indices() {
     for mesh in [cuboid(Vec3::ZERO, Vec3::ONE), split(&cuboid(Vec3::ZERO, Vec3::ONE))] {

@@ -81,7 +81,9 @@ impl Scene {
         let topologies: Vec<Option<Topology>> = (0..description.meshes.len())
             .map(|mesh| {
                 let instance = instances.iter().position(|i| i.0 == mesh)?;
-                holds_medium[mesh].then(|| Topology::analyse(geometry.mesh_of(instance as u32)))
+                let merged = &description.meshes[mesh].merged;
+                holds_medium[mesh]
+                    .then(|| Topology::analyse_merged(geometry.mesh_of(instance as u32), merged))
             })
             .collect();
         if turn_inside_out(&mut description, &topologies) {

@@ -51,6 +51,9 @@ pub struct MeshDescription {
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle ([`NO_MATERIAL`] for the default), as long as `triangles`.
     pub triangle_materials: Vec<u32>,
+    /// The triangles by vertices of which those that are one have been merged, as long as `triangles`; every edge then
+    /// has two triangles of opposite direction. Empty where equal positions are to be taken for one vertex.
+    pub merged: Vec<[u32; 3]>,
 }
 
 impl MeshDescription {

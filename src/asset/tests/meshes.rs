@@ -37,17 +37,6 @@ fn indices_of_every_type_and_every_topology() {
 }
 
 #[test]
-fn points_and_lines_are_left_out_with_a_note() {
-    for mode in 0..4 {
-        let mut b = Builder::triangle();
-        primitive(&mut b)["mode"] = json!(mode);
-        let loaded = b.loaded();
-        assert!(loaded.scene.instances.is_empty());
-        assert!(told(&loaded, Severity::Note, "/meshes/0/primitives/0"));
-    }
-}
-
-#[test]
 fn interleaved_and_offset_accessors() {
     let mut b = Builder::triangle();
     let rows: Vec<f32> = (0..3)

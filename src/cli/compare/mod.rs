@@ -250,7 +250,7 @@ fn seed_of(name: &str, half: u32, seed: u32) -> u32 {
 
 /// The last part of the name of the input.
 fn input_name(args: &CompareArgs) -> String {
-    file_name(&args.scene.input)
+    file_name(&args.scene.load.input)
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ pub(super) fn json(args: &CompareArgs, prepared: &Prepared, results: &Results, f
         .collect();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "input": args.scene.input.to_string_lossy(),
+        "input": args.scene.load.input.to_string_lossy(),
         "options": prepared.record(&args.scene),
         "seed": args.scene.seed,
         "threads": prepared.options(&args.scene, results.spp, "").thread_count(),

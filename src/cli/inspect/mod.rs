@@ -15,10 +15,10 @@ use std::io::{ErrorKind, Write};
 
 /// Inspects as the arguments say.
 pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let mut asset = pipeline::open(&args.input, args.scene, None, false)?;
+    let mut asset = pipeline::open(&args.load, args.scene, None, false)?;
     let moment = args.play.moment(&asset, false, &Reporter::new(false))?;
-    let loaded = pipeline::load(&args.input, &mut asset, &moment)?;
-    let report = Report::new(&args.input, &loaded);
+    let loaded = pipeline::load(&args.load.input, &mut asset, &moment)?;
+    let report = Report::new(&args.load.input, &loaded);
     let output = if args.json {
         let mut json = serde_json::to_string_pretty(&report).map_err(Failure::cannot)?;
         json.push('\n');

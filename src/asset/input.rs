@@ -1,0 +1,70 @@
+//! The document that a path means: the file itself, or the one in a folder.
+
+use std::path::{Path, PathBuf};
+
+use super::error::AssetError;
+
+/// Names of files that a message lists.
+const MOST_NAMED: usize = 8;
+
+/// The path itself, or, of a folder, the only `.gltf` or `.glb` file directly in it. Where a folder has the same model
+/// as both, the `.glb` is taken: it is complete in itself.
+pub(crate) fn document_in(path: &Path) -> Result<PathBuf, AssetError> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let io = |source| AssetError::Io { pointer: String::new(), path: path.to_owned(), source };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(io)? {
+        let file = entry.map_err(io)?.path();
+        let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        if matches!(extension.as_deref(), Some("gltf" | "glb")) && !file.is_dir() {
+            found.push(file);
+        }
+    }
+    // `.glb` sorts before `.gltf`.
+    found.sort();
+    match &found[..] {
+        [only] => Ok(only.clone()),
+        [glb, gltf] if glb.file_stem() == gltf.file_stem() => Ok(glb.clone()),
+        [] => Err(AssetError::Container {
+            message: format!("{} holds no .gltf or .glb file", path.display()),
+            advice: Some("name the file itself; folders below are not searched".to_owned()),
+        }),
+        several => {
+            let names = several.iter().take(MOST_NAMED).filter_map(|p| p.file_name());
+            let mut names: Vec<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+            if several.len() > MOST_NAMED {
+                names.push(format!("and {} more", several.len() - MOST_NAMED));
+            }
+            Err(AssetError::Container {
+                message: format!("{} holds several glTF files: {}", path.display(), names.join(", ")),
+                advice: Some("name one of them".to_owned()),
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_means_its_only_document() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let add = |name: &str| std::fs::write(folder.path().join(name), "").expect("a file");
+        let found = || {
+            let path = document_in(folder.path()).map_err(|e| e.to_string())?;
+            Ok::<_, String>(path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default())
+        };
+        assert!(found().is_err_and(|e| e.contains("no .gltf or .glb")));
+        add("readme.txt");
+        add("a.gltf");
+        assert_eq!(found().as_deref(), Ok("a.gltf"));
+        add("a.GLB");
+        assert_eq!(found().as_deref(), Ok("a.GLB"));
+        add("b.glb");
+        assert!(found().is_err_and(|e| ["a.gltf", "a.GLB", "b.glb"].iter().all(|n| e.contains(n))));
+        assert_eq!(document_in(Path::new("no/such.glb")).ok(), Some("no/such.glb".into()));
+    }
+}
