@@ -76,6 +76,7 @@ impl PathTracer<'_> {
             vertex: Vertex { point, anchor, pdf: NEVER, connected: true, aimed: Aimed::default() },
             events: path.events + 1,
             bounces: 1,
+            wavelength: path.wavelength,
             direct_view: false,
             footprint: Footprint::default(),
             wavelength: path.wavelength,
