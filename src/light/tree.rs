@@ -5,11 +5,13 @@
 //! holds all directions they shine in, so it can tell about how much of its light may reach a point:
 //!
 //! ```text
-//! importance = flux · cos θ' · cos θi' / max(d², r²)
+//! importance = flux · cos θ · cos θi / (d² + 0.2 r²)
 //! ```
 //!
-//! with θ' and θi' the smallest angles to the lights' axes and to the normal that anything in the sphere around the box
-//! can have. It is zero only where no light can arrive. A light is chosen by descending from the root, at each node in
+//! with r the radius of the box, d the distance to its middle, and each cosine the mean of that of the middle and the
+//! largest that anything in the sphere around the box can have. (Both, and the softened distance, are measured: bounds
+//! alone, and max(d², r²), have half as much noise again among lights that are all around.) It is zero only where no light
+//! can arrive. A light is chosen by descending from the root, at each node in
 //! proportion to the importance of its children; the last few of a leaf are weighed one by one, exactly as they are
 //! where a scene has only a few lights. The probability of a given light is found on the way back, from its leaf to the
 //! root, through the same function, so it is that of the descent, for the same point and normal.
@@ -24,6 +26,8 @@ use glam::{Vec2, Vec3};
 const SLACK: f32 = 1e-3;
 /// Smallest cosine that importance counts with: bounds are loose where light grazes.
 const LEAST_COSINE: f32 = 0.02;
+/// Part of a node's squared radius that is added to squared distances.
+const SOFTENING: f32 = 0.2;
 /// Importances above are cut, so that two of them have a finite sum.
 const LARGEST: f32 = 1e37;
 /// Resolution of the numbers that a light is selected with.
@@ -95,8 +99,9 @@ impl Node {
             return 0.0;
         }
         let (squared, radius_squared) = (from.length_squared(), self.radius * self.radius);
+        let attenuated = self.flux / (squared + SOFTENING * radius_squared).max(f32::MIN_POSITIVE);
         if squared <= radius_squared {
-            return (self.flux / radius_squared.max(f32::MIN_POSITIVE)).min(LARGEST);
+            return attenuated.min(LARGEST);
         }
         let distance = squared.sqrt();
         if distance - self.radius > self.reach {
@@ -112,15 +117,23 @@ impl Node {
         if cos_out < self.cos_spread - SLACK {
             return 0.0;
         }
-        let cos_in = normal.map_or(1.0, |n| {
+        let mut shown = mean_cosine(cos, cos_out);
+        if let Some(n) = normal {
             let cos = -n.dot(towards);
-            less(cos, sine(cos), cos_size, sin_size).0
-        });
-        if cos_in < -SLACK {
-            return 0.0;
+            let (cos_in, _) = less(cos, sine(cos), cos_size, sin_size);
+            if cos_in < -SLACK {
+                return 0.0;
+            }
+            shown *= mean_cosine(cos, cos_in);
         }
-        (self.flux * cos_out.max(LEAST_COSINE) * cos_in.max(LEAST_COSINE) / squared).min(LARGEST)
+        (attenuated * shown).min(LARGEST)
     }
+}
+
+/// Of the middle and the most favourable place of a node.
+#[inline]
+fn mean_cosine(middle: f32, best: f32) -> f32 {
+    (0.5 * (middle.max(0.0) + best)).max(LEAST_COSINE)
 }
 
 fn sine(cos: f32) -> f32 {

@@ -150,12 +150,12 @@ fn a_thousand_lamps_are_chosen_nearly_as_well_as_can_be() {
     let mean = mean.map(|m| m / count);
     assert!(count > 30.0);
     println!("chaos: {:.2} by tree, {:.2} by power", mean[0].exp(), mean[1].exp());
-    assert!(mean[0].exp() < 3.0 && mean[0] < mean[1] - 0.7);
+    assert!(mean[0].exp() < 4.0 && mean[0] < mean[1] - 0.7);
     let lamps = ceiling(32, 0.5);
     for x in [0.0, 3.1, 7.9, 30.0] {
         let ratio = noise(&lamps, (Vec3::new(x, 0.0, 0.3), Some(Vec3::Y)));
         println!("ceiling, x = {x}: {ratio:.3}");
-        assert!(ratio < 2.0, "{x}: {ratio}");
+        assert!(ratio < 1.3, "{x}: {ratio}");
     }
 }
 

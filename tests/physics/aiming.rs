@@ -98,7 +98,7 @@ fn a_point_light_has_its_light() {
 fn textured_wax_has_the_same_light_with_and_without_aiming() {
     // Coefficients that differ by a factor of four from place to place, so that the density of arriving is only a guess.
     for (roughness, what) in [(0.35, "textured rough"), (0.0, "textured smooth")] {
-        let mut scene = wax(roughness, EnvironmentDescription::Constant(Vec3::splat(0.05)));
+        let mut scene = wax(roughness, EnvironmentDescription::Constant(Vec3::splat(0.2)));
         scene.meshes[0] = with_uvs(icosphere(RADIUS, 2, true));
         let texels = [Vec3::ONE, Vec3::splat(0.25), Vec3::new(0.4, 0.7, 1.0), Vec3::new(1.0, 0.5, 0.3)];
         let texture = add_texture(&mut scene, 2, &texels);
@@ -107,6 +107,6 @@ fn textured_wax_has_the_same_light_with_and_without_aiming() {
         }
         // Large, so that it is found by chance often enough to compare with.
         add_lamp(&mut scene, Vec3::new(0.05, 0.04, 0.02), 0.03, Vec3::new(4.0, 3.0, 2.0));
-        compare(scene, 16, what);
+        compare(scene, 32, what);
     }
 }
