@@ -43,8 +43,6 @@ pub(crate) struct Primitive {
     pub morphed_colors: bool,
     /// Points or lines and their indices, which are yet to be given a surface.
     pub marks: Option<(Marks, Vec<u32>)>,
-    /// Attributes that an extension decompressed and that have not been read yet.
-    pub decoded: BTreeMap<String, Elements>,
 }
 
 /// Four influences of joints on each vertex: `JOINTS_n` and `WEIGHTS_n`.
@@ -184,7 +182,6 @@ impl Loader<'_> {
             }
             None => NO_MATERIAL,
         };
-        out.decoded = decoded.attributes;
         Ok(Some(out))
     }
 

@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(file.with_document(&unchanged).unwrap(), bytes);
         for text in ["{}", "{\"a\":1}", "{\"a\":12345}"] {
             let changed = file.with_document(text).unwrap();
-            assert!(changed.ends_with(rest) && changed.len() % 4 == 0);
+            assert!(changed.ends_with(rest) && changed.len().is_multiple_of(4));
             let again = AuthoredFile::new(changed, &Limits::default()).unwrap();
             assert_eq!(again.document(), &serde_json::from_str::<Value>(text).unwrap());
             assert!(again.parts.oddities.is_empty() && again.parts.bin.is_some());

@@ -67,9 +67,9 @@ pub fn violations(own: &Value) -> Vec<(String, String)> {
                 _ => found.push((pointer, "should be an array of three numbers".to_owned())),
             },
             "absorptionTexture" | "scatteringTexture" => {
-                if value.get("index").and_then(Value::as_u64).is_none() {
-                    found.push((pointer, "should be a textureInfo with an `index`".to_owned()));
-                }
+                let sound = value.get("index").and_then(Value::as_u64).is_some();
+                let why = (!sound).then(|| "should be a textureInfo with an `index`".to_owned());
+                found.extend(why.map(|why| (pointer, why)));
             }
             "scatterAnisotropy" => {
                 let why = range(value, |v| v > -1.0 && v < 1.0, "greater than -1 and less than 1");

@@ -16,7 +16,7 @@ use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
 
 /// A radial model: its profile, and how light leaves through it. Whoever has one has a model: its
-/// [`SubsurfaceModel::prepare`] is [`Radial::prepare`].
+/// [`SubsurfaceModel::prepare`](super::SubsurfaceModel::prepare) is [`Radial::prepare`].
 pub trait Formula: Clone + Send + Sync + 'static {
     /// The profile of one channel; it is tabulated once per medium and surrounding.
     fn profile(&self, c: &Coefficients) -> Box<dyn RadialProfile>;

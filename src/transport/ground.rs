@@ -79,7 +79,6 @@ impl PathTracer<'_> {
             wavelength: path.wavelength,
             direct_view: false,
             footprint: Footprint::default(),
-            wavelength: path.wavelength,
         };
         if direction.y > 0.0 {
             self.follow(&mut reflected, &mut with, sampler);
