@@ -1,7 +1,8 @@
 //! The inversion from seen colour to albedo, verified by pictures: a half space is rendered straight on in uniform light,
 //! and what it shows beside the reflection of its surface has to be the colour that was asked for.
 //!
-//! The standard error is a quarter per cent of the colour, so |z| < 4 bounds the deviation by one per cent.
+//! Over the whole range the standard error is a quarter per cent of the colour, so |z| < 4 bounds the deviation by one per
+//! cent. The few points that are always tested have 0.4 %, for the sake of time.
 
 use crate::lab::*;
 use glam::Vec3;
@@ -50,9 +51,9 @@ fn check(g: f64, n: f64, colors: [f64; 3], relative_error: f64) {
 
 #[test]
 fn a_half_space_shows_the_colour_that_was_asked_for() {
-    check(0.0, 1.5, [0.3, 0.6, 0.8], 0.0025);
-    check(0.9, 1.4, [0.4, 0.6, 0.8], 0.0025);
-    check(-0.5, 1.0, [0.3, 0.6, 0.8], 0.0025);
+    check(0.0, 1.5, [0.3, 0.6, 0.8], 0.004);
+    check(0.9, 1.4, [0.4, 0.6, 0.8], 0.004);
+    check(-0.5, 1.0, [0.3, 0.6, 0.8], 0.004);
 }
 
 /// The whole range, for a release build and some minutes.
