@@ -111,6 +111,12 @@ impl<'a> Loader<'a> {
         self.options
     }
 
+    /// Whether the file says that it cannot be read without an extension.
+    pub fn requires(&self, extension: &str) -> bool {
+        let required = self.document.get("extensionsRequired").and_then(Value::as_array);
+        required.is_some_and(|list| list.iter().any(|name| name == extension))
+    }
+
     /// Number of entries of a top-level array such as `meshes`; 0 where it is absent.
     pub fn count(&self, array: &str) -> usize {
         self.document.get(array).and_then(Value::as_array).map_or(0, Vec::len)

@@ -33,7 +33,9 @@ impl Extension for Draco {
     ) -> Result<Option<DecodedPrimitive>, AssetError> {
         match decode(loader, own, primitive) {
             Ok(decoded) => Ok(Some(decoded)),
-            Err(AssetError::Invalid { pointer, message, .. }) if has_copy(loader, primitive)? => {
+            Err(AssetError::Invalid { pointer, message, .. })
+                if !loader.requires(self.name()) && has_copy(loader, primitive)? =>
+            {
                 loader.invalid(&pointer, format!("{message}; the uncompressed copy is used"))?;
                 Ok(None)
             }

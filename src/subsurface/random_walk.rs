@@ -56,8 +56,7 @@ impl SubsurfaceModel for RandomWalk {
         let coefficients = (0..scene.objects.len() as u32).map(|instance| {
             let mut materials = scene.mesh(instance).triangle_materials.iter().copied();
             let material = materials.find(|&m| scene.medium(m).is_some())?;
-            let scale = scene.geometry.transform(instance).scale;
-            Some((material, coefficients(scene.medium(material)?, scale)))
+            Some((material, coefficients(scene, instance, scene.medium(material)?)))
         });
         Box::new(Walker { coefficients: coefficients.collect() })
     }
@@ -68,8 +67,21 @@ struct Walker {
     coefficients: Vec<Option<(u32, Coefficients)>>,
 }
 
-fn coefficients(medium: &Medium, scale: f32) -> Coefficients {
+/// Shortest mean free path in sizes of an object. Positions could not follow shorter ones, and nobody could see the
+/// difference: light comes out where it went in.
+const SHORTEST_PATH: f32 = 1e-6;
+
+/// The coefficients of a medium in the space of an instance.
+fn coefficients(scene: &Scene, instance: u32, medium: &Medium) -> Coefficients {
+    let scale = scene.geometry.transform(instance).scale * thinning(scene, instance, medium);
     Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, scale)
+}
+
+/// What to multiply coefficients with, so that no mean free path is too short.
+fn thinning(scene: &Scene, instance: u32, medium: &Medium) -> f32 {
+    let scale = scene.geometry.transform(instance).scale;
+    let size = scene.geometry.mesh_of(instance).bounds().extent().max_element();
+    (medium.sigma_t.max_element() * scale * size * SHORTEST_PATH).max(1.0).recip()
 }
 
 impl Propagator for Walker {
@@ -93,8 +105,7 @@ impl Propagator for Walker {
                         walk_inside(flight, c, distance, head, sampler, connector)
                     }
                     _ => {
-                        let scale = flight.scene.geometry.transform(enclosure.instance).scale;
-                        let c = coefficients(flight.medium, scale);
+                        let c = coefficients(flight.scene, enclosure.instance, flight.medium);
                         walk_inside(flight, &c, distance, head, sampler, connector)
                     }
                 }
@@ -311,7 +322,8 @@ fn walk_in_scene(
 ) -> Arrival {
     let medium = flight.medium;
     let straight = flight.connection == Connection::Straight;
-    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, 1.0);
+    let thinning = thinning(flight.scene, flight.enclosure.instance, medium);
+    let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, thinning);
     let radiance_scale = medium.ior * medium.ior;
     loop {
         let mean_free_path = c.draw_mean_free_path(head.throughput.into(), sampler.rng());

@@ -32,7 +32,9 @@ impl Extension for Meshopt {
     ) -> Result<Option<Bytes>, AssetError> {
         match decode(loader, own, view) {
             Ok(bytes) => Ok(Some(bytes.into())),
-            Err(AssetError::Invalid { pointer, message, .. }) if has_copy(loader, view)? => {
+            Err(AssetError::Invalid { pointer, message, .. })
+                if !loader.requires(self.0) && has_copy(loader, view)? =>
+            {
                 loader.invalid(&pointer, format!("{message}; the uncompressed copy is used"))?;
                 Ok(None)
             }
