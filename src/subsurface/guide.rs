@@ -42,8 +42,8 @@ const SHARE: f32 = 0.4;
 const STRONGEST: f32 = 0.8;
 /// Weakest, so that quotients stay accurate.
 const WEAKEST: f32 = 0.02;
-/// Where the strongest channel stays below this, guiding costs more than it saves.
-const LEAST_STRENGTH: f32 = 0.15;
+/// Least c_L: through more than about ten mean free paths guiding costs more than it saves.
+const LEAST_GRADIENT: f32 = 0.25;
 /// Depth in mean free paths below which a walk is already where the light comes in.
 const LEAST_DEPTH: f32 = 0.1;
 /// Extrapolation distance in transport mean free paths.
@@ -85,14 +85,13 @@ impl Guide {
         if c.sigma_t.max_element() * ahead < LEAST_DEPTH {
             return Self::none();
         }
-        let strength = Vec3A::from_array(std::array::from_fn(|k| {
-            let depth = (c.sigma_t[k] * ahead).max(LEAST_DEPTH);
-            let across = fast_math::ln(1.0 + (1.0 - g) * depth / EXTRAPOLATION) / depth;
-            (c.inverse_diffusion_length[k].powi(2) + across * across).sqrt().clamp(WEAKEST, STRONGEST)
-        }));
-        if strength.max_element() < LEAST_STRENGTH {
+        let depth = (c.sigma_t * ahead).max(Vec3A::splat(LEAST_DEPTH));
+        let across = depth.map(|x| fast_math::ln(1.0 + (1.0 - g) * x / EXTRAPOLATION) / x);
+        if across.max_element() < LEAST_GRADIENT {
             return Self::none();
         }
+        let squared = c.inverse_diffusion_length * c.inverse_diffusion_length + across * across;
+        let strength = squared.map(|c2| c2.sqrt().clamp(WEAKEST, STRONGEST));
         let log_range = strength.map(|s| fast_math::ln((1.0 - s) / (1.0 + s)));
         let turn = -2.0 * strength / log_range;
         let mut powers = [Vec3A::ONE; LONGEST_STRETCH + 1];
