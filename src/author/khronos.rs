@@ -19,7 +19,7 @@ use super::set_extension;
 use super::text::Node;
 use crate::optics::diffusion::inversion::{similarity, single_from_similarity};
 
-/// The extensions that [`write`] writes.
+/// The extensions that [`write()`] writes.
 pub const NAMES: [&str; 4] =
     ["KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_scatter"];
 
@@ -110,7 +110,7 @@ pub fn write(material: &mut Node<'_>, medium: &Medium, thickness: f64, short: bo
     super::remove_member(material, "extensions", OLDER);
 }
 
-/// Removes those extensions of a material that say what [`write`] would have written for this medium. Another thickness
+/// Removes those extensions of a material that say what [`write()`] would have written for this medium. Another thickness
 /// than `thickness` stays, since it was there before.
 pub fn remove(material: &mut Node<'_>, medium: &Medium, thickness: f64) {
     let before = material.value().unwrap_or_default();

@@ -2,7 +2,7 @@
 //!
 //! Three groups (environment, punctual lights, emissive triangles) are weighed by the light they would send to the
 //! point if nothing were in between; the group is chosen by a defensive mixture of the weights. Within a group up to
-//! `FEW` lights are weighed in the same way one by one; more of them are leaves of a [light tree](super::tree).
+//! `FEW` lights are weighed in the same way one by one; more of them are leaves of a light tree (`tree.rs`).
 //!
 //! Everything is a function of the point and the normal, so the density of a direction that was found in another way
 //! (a scattered ray that reached a light) is the same that [`Lights::sample`] would have had, *if the caller passes the
