@@ -53,8 +53,6 @@ impl Loader<'_> {
                 } else {
                     self.note(pointer, message);
                 }
-            } else if let Some(shortfall) = &ignored {
-                self.note(&pointer, format!("{name}: {shortfall}"));
             }
             summaries.push(ExtensionSummary { name, required: is_required, places, supported, ignored });
         }

@@ -51,6 +51,81 @@ const EXTRAPOLATION: f32 = 0.7;
 /// Largest exponent of e^{cσt Δ}, below where f32 overflows.
 const LARGEST_EXPONENT: f32 = 80.0;
 
+/// How a walk chooses its ways; compiled once for each kind, so that plain walks pay nothing.
+pub(super) trait Steering {
+    /// Whether some ways are other than plain.
+    const GUIDED: bool;
+    /// A few events.
+    type Stretch<'a>: Ways
+    where
+        Self: 'a;
+
+    /// A stretch that sets out from `p` in direction `d`, with free flights of that channel.
+    fn stretch(&self, channel: usize, p: Vec3, d: Vec3, rng: &mut SmallRng) -> Self::Stretch<'_>;
+}
+
+/// A few events of a walk that are weighed as one.
+pub(super) trait Ways {
+    /// A free flight in direction `d` that is `t` long in a plain walk.
+    fn flight(&self, t: f32, d: Vec3) -> f32;
+    /// A new direction, where it is not the phase function's.
+    fn direction(&self, rng: &mut SmallRng) -> Option<Vec3>;
+    /// Notes a collision at the end of a flight in direction `d`.
+    fn collide(&mut self, d: Vec3);
+    /// The throughput after `events` collisions on a way of a length, where the walk is at `p`, under way in direction `d`.
+    fn weigh(&self, c: &Coefficients, beta: Vec3A, way: Way, d: Vec3) -> Vec3A;
+    /// The throughput at the last collision, before a direction was drawn.
+    fn weigh_event(&self, c: &Coefficients, beta: Vec3A, way: Way) -> Vec3A;
+}
+
+/// The way of a stretch so far.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    pub collisions: usize,
+    /// In the units of the walk.
+    pub length: f32,
+    /// Where it has led.
+    pub p: Vec3,
+}
+
+/// Plain walks.
+pub(super) struct Plain;
+
+impl Steering for Plain {
+    const GUIDED: bool = false;
+    type Stretch<'a> = Plain;
+
+    #[inline]
+    fn stretch(&self, _: usize, _: Vec3, _: Vec3, _: &mut SmallRng) -> Plain {
+        Plain
+    }
+}
+
+impl Ways for Plain {
+    #[inline]
+    fn flight(&self, t: f32, _: Vec3) -> f32 {
+        t
+    }
+
+    #[inline]
+    fn direction(&self, _: &mut SmallRng) -> Option<Vec3> {
+        None
+    }
+
+    #[inline]
+    fn collide(&mut self, _: Vec3) {}
+
+    #[inline]
+    fn weigh(&self, c: &Coefficients, beta: Vec3A, way: Way, _: Vec3) -> Vec3A {
+        c.weigh(beta, way.collisions, way.length)
+    }
+
+    #[inline]
+    fn weigh_event(&self, c: &Coefficients, beta: Vec3A, way: Way) -> Vec3A {
+        c.weigh(beta, way.collisions, way.length)
+    }
+}
+
 /// The guide of one flight; each channel has its own strength.
 pub(super) struct Guide {
     /// z is the axis.
@@ -61,34 +136,20 @@ pub(super) struct Guide {
     log_range: Vec3A,
     /// K^n.
     powers: [Vec3A; LONGEST_STRETCH + 1],
-    share: f32,
     isotropic: bool,
 }
 
 impl Guide {
-    /// Leaves every walk plain.
-    pub fn none() -> Self {
-        let (ones, zero) = ([Vec3A::ONE; LONGEST_STRETCH + 1], Vec3A::ZERO);
-        Self {
-            frame: Mat3::IDENTITY,
-            strength: zero,
-            log_range: zero,
-            powers: ones,
-            share: 0.0,
-            isotropic: true,
-        }
-    }
-
     /// Guides along a unit axis through the length `ahead` of the medium, where that can help.
-    pub fn new(c: &Coefficients, axis: Vec3, ahead: f32) -> Self {
+    pub fn new(c: &Coefficients, axis: Vec3, ahead: f32) -> Option<Self> {
         let g = c.phase.g;
         if c.sigma_t.max_element() * ahead < LEAST_DEPTH {
-            return Self::none();
+            return None;
         }
         let depth = (c.sigma_t * ahead).max(Vec3A::splat(LEAST_DEPTH));
         let across = depth.map(|x| fast_math::ln(1.0 + (1.0 - g) * x / EXTRAPOLATION) / x);
         if across.max_element() < LEAST_GRADIENT {
-            return Self::none();
+            return None;
         }
         let squared = c.inverse_diffusion_length * c.inverse_diffusion_length + across * across;
         let strength = squared.map(|c2| c2.sqrt().clamp(WEAKEST, STRONGEST));
@@ -99,14 +160,8 @@ impl Guide {
             powers[n] = powers[n - 1] * turn;
         }
         let (x, y) = orthonormal_basis(axis);
-        Self {
-            frame: Mat3::from_cols(x, y, axis),
-            strength,
-            log_range,
-            powers,
-            share: SHARE,
-            isotropic: g == 0.0,
-        }
+        let frame = Mat3::from_cols(x, y, axis);
+        Some(Self { frame, strength, log_range, powers, isotropic: g == 0.0 })
     }
 
     /// 1 − cµ.
@@ -114,18 +169,21 @@ impl Guide {
     fn slowing(&self, direction: Vec3) -> Vec3A {
         Vec3A::ONE - self.strength * direction.dot(self.frame.z_axis)
     }
+}
 
-    /// A stretch that sets out from `p` in direction `d`, with free flights of that channel.
+impl Steering for Guide {
+    const GUIDED: bool = true;
+    type Stretch<'a> = Stretch<'a>;
+
     #[inline]
-    pub fn stretch(&self, channel: usize, p: Vec3, d: Vec3, rng: &mut SmallRng) -> Stretch<'_> {
-        let guided = self.share > 0.0 && rng.f32() < self.share;
-        let first = if self.share > 0.0 && self.isotropic { self.slowing(d) } else { Vec3A::ONE };
+    fn stretch(&self, channel: usize, p: Vec3, d: Vec3, rng: &mut SmallRng) -> Stretch<'_> {
+        let ratio = if self.isotropic { self.slowing(d) } else { Vec3A::ONE };
         let (strength, log_range) = (self.strength[channel], self.log_range[channel]);
-        Stretch { guide: self, guided, strength, log_range, from: p, ratio: first }
+        Stretch { guide: self, guided: rng.f32() < SHARE, strength, log_range, from: p, ratio }
     }
 }
 
-/// A few events of a walk that are weighed as one.
+/// A stretch that may be guided.
 pub(super) struct Stretch<'a> {
     guide: &'a Guide,
     guided: bool,
@@ -138,15 +196,27 @@ pub(super) struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// A free flight in direction `d` that is `t` long in a plain walk.
+    /// `last` is what (3) has beside 1 − cµ_0 and the exponential.
+    fn weigh_with(&self, c: &Coefficients, beta: Vec3A, way: Way, last: Vec3A) -> Vec3A {
+        let guide = self.guide;
+        let along = (way.p - self.from).dot(guide.frame.z_axis);
+        let exponent = guide.strength * c.sigma_t * along;
+        let small = fast_math::exp_negative(-exponent.abs().min(Vec3A::splat(LARGEST_EXPONENT)));
+        let growth = Vec3A::select(exponent.cmpgt(Vec3A::ZERO), small.recip(), small);
+        let ways = Vec3A::splat(1.0 - SHARE) + SHARE * self.ratio * last * growth;
+        c.weigh_ways(beta, way.collisions, way.length, ways)
+    }
+}
+
+impl Ways for Stretch<'_> {
     #[inline]
-    pub fn flight(&self, t: f32, d: Vec3) -> f32 {
+    fn flight(&self, t: f32, d: Vec3) -> f32 {
         if self.guided { t / (1.0 - self.strength * d.dot(self.guide.frame.z_axis)) } else { t }
     }
 
-    /// A direction of (2), where directions are guided.
+    /// (2), where scattering is isotropic.
     #[inline]
-    pub fn direction(&self, rng: &mut SmallRng) -> Option<Vec3> {
+    fn direction(&self, rng: &mut SmallRng) -> Option<Vec3> {
         if !(self.guided && self.guide.isotropic) {
             return None;
         }
@@ -158,114 +228,76 @@ impl Stretch<'_> {
         Some(self.guide.frame * Vec3::new(radius * cos, radius * sin, z))
     }
 
-    /// Notes a collision at the end of a flight in direction `d`.
     #[inline]
-    pub fn collide(&mut self, d: Vec3) {
+    fn collide(&mut self, d: Vec3) {
         if !self.guide.isotropic {
             self.ratio *= self.guide.slowing(d);
         }
     }
 
-    /// The throughput at `p` after `collisions` on a way of a length, where the walk is under way in direction `d`.
     #[inline]
-    pub fn weigh(
-        &self,
-        c: &Coefficients,
-        beta: Vec3A,
-        collisions: usize,
-        length: f32,
-        at: (Vec3, Vec3),
-    ) -> Vec3A {
+    fn weigh(&self, c: &Coefficients, beta: Vec3A, way: Way, d: Vec3) -> Vec3A {
         let guide = self.guide;
-        if guide.share == 0.0 {
-            return c.weigh(beta, collisions, length);
-        }
-        let last = if guide.isotropic { guide.powers[collisions] / guide.slowing(at.1) } else { Vec3A::ONE };
-        self.weigh_with(c, beta, collisions, length, at.0, last)
+        let last = if guide.isotropic { guide.powers[way.collisions] / guide.slowing(d) } else { Vec3A::ONE };
+        self.weigh_with(c, beta, way, last)
     }
 
-    /// The throughput at the last collision, at `p`, before a direction was drawn.
     #[inline]
-    pub fn weigh_event(
-        &self,
-        c: &Coefficients,
-        beta: Vec3A,
-        collisions: usize,
-        length: f32,
-        p: Vec3,
-    ) -> Vec3A {
+    fn weigh_event(&self, c: &Coefficients, beta: Vec3A, way: Way) -> Vec3A {
         let guide = self.guide;
-        if guide.share == 0.0 {
-            return c.weigh(beta, collisions, length);
-        }
-        let last = if guide.isotropic { guide.powers[collisions.saturating_sub(1)] } else { Vec3A::ONE };
-        self.weigh_with(c, beta, collisions, length, p, last)
-    }
-
-    fn weigh_with(
-        &self,
-        c: &Coefficients,
-        beta: Vec3A,
-        collisions: usize,
-        length: f32,
-        p: Vec3,
-        last: Vec3A,
-    ) -> Vec3A {
-        let guide = self.guide;
-        let along = (p - self.from).dot(guide.frame.z_axis);
-        let exponent = guide.strength * c.sigma_t * along;
-        let small = fast_math::exp_negative(-exponent.abs().min(Vec3A::splat(LARGEST_EXPONENT)));
-        let growth = Vec3A::select(exponent.cmpgt(Vec3A::ZERO), small.recip(), small);
-        let ways = Vec3A::splat(1.0 - guide.share) + guide.share * self.ratio * last * growth;
-        c.weigh_ways(beta, collisions, length, ways)
+        let turns = way.collisions.saturating_sub(1);
+        let last = if guide.isotropic { guide.powers[turns] } else { Vec3A::ONE };
+        self.weigh_with(c, beta, way, last)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::spectral::draw_flight;
     use super::*;
 
     fn coefficients(g: f32) -> Coefficients {
         Coefficients::new(Vec3::new(30.0, 100.0, 200.0), Vec3::new(700.0, 800.0, 900.0), g, 1.0)
     }
 
-    /// Walks of a stretch in an infinite medium: whatever the guide, the mean of the weight times a test function is the
-    /// plain walk's. Twelve moments, |z| < 4.
+    /// Means and variances of two moments of walks of three events in an infinite medium.
+    fn moments(c: &Coefficients, steering: &impl Steering) -> [(Vec3A, Vec3A); 2] {
+        const N: usize = 200_000;
+        let mut rng = SmallRng::new(11);
+        let (mut sum, mut squares) = ([Vec3A::ZERO; 2], [Vec3A::ZERO; 2]);
+        for _ in 0..N {
+            let (mut p, mut d, mut length) = (Vec3::ZERO, Vec3::Z, 0.0);
+            let (channel, mean_free_path) = c.draw_channel(Vec3A::ONE, &mut rng);
+            let mut stretch = steering.stretch(channel, p, d, &mut rng);
+            for _ in 0..3 {
+                let t = stretch.flight(draw_flight(&mut rng) * mean_free_path, d);
+                p += d * t;
+                length += t;
+                stretch.collide(d);
+                d = stretch.direction(&mut rng).unwrap_or_else(|| c.phase.sample(d, rng.vec2()).0);
+            }
+            let way = Way { collisions: 3, length, p };
+            let under_way = stretch.weigh(c, Vec3A::ONE, way, d) * (1.0 + d.x + 0.3 * d.z);
+            let at_event = stretch.weigh_event(c, Vec3A::ONE, way) * (p.z * 500.0);
+            for (i, value) in [under_way, at_event].into_iter().enumerate() {
+                sum[i] += value;
+                squares[i] += value * value;
+            }
+        }
+        let n = N as f32;
+        std::array::from_fn(|i| {
+            let mean = sum[i] / n;
+            (mean, (squares[i] / n - mean * mean) / n)
+        })
+    }
+
+    /// Whatever the guide, the mean of the weight times a test function is the plain walk's. Twelve moments, |z| < 4.
     #[test]
     fn guided_walks_have_the_moments_of_plain_ones() {
         for g in [0.0, 0.6] {
             let c = coefficients(g);
-            let guide = Guide::new(&c, Vec3::new(0.6, 0.0, 0.8), 0.004);
-            let [plain, guided] = [Guide::none(), guide].map(|guide| {
-                let mut rng = SmallRng::new(11);
-                const N: usize = 200_000;
-                let (mut sum, mut squares) = ([Vec3A::ZERO; 2], [Vec3A::ZERO; 2]);
-                for _ in 0..N {
-                    let (mut p, mut d, mut length) = (Vec3::ZERO, Vec3::Z, 0.0);
-                    let (channel, mean_free_path) = c.draw_channel(Vec3A::ONE, &mut rng);
-                    let mut stretch = guide.stretch(channel, p, d, &mut rng);
-                    for _ in 0..3 {
-                        let t =
-                            stretch.flight(super::super::spectral::draw_flight(&mut rng) * mean_free_path, d);
-                        p += d * t;
-                        length += t;
-                        stretch.collide(d);
-                        d = stretch.direction(&mut rng).unwrap_or_else(|| c.phase.sample(d, rng.vec2()).0);
-                    }
-                    let beta = stretch.weigh(&c, Vec3A::ONE, 3, length, (p, d));
-                    let at_event = stretch.weigh_event(&c, Vec3A::ONE, 3, length, p);
-                    let values = [beta * (1.0 + d.x + 0.3 * d.z), at_event * (p.z * 500.0)];
-                    for i in 0..2 {
-                        sum[i] += values[i];
-                        squares[i] += values[i] * values[i];
-                    }
-                }
-                let n = N as f32;
-                std::array::from_fn::<_, 2, _>(|i| {
-                    let mean = sum[i] / n;
-                    (mean, (squares[i] / n - mean * mean) / n)
-                })
-            });
+            let guide = Guide::new(&c, Vec3::new(0.6, 0.0, 0.8), 0.004).expect("a thin part");
+            let (plain, guided) = (moments(&c, &Plain), moments(&c, &guide));
             for i in 0..2 {
                 let error = (plain[i].1 + guided[i].1).powf(0.5);
                 let z = (plain[i].0 - guided[i].0) / error;
@@ -274,17 +306,25 @@ mod tests {
         }
     }
 
-    /// In doubt the weight is that of the defensive share.
+    /// However wrong the guide, weights are at most those of the defensive share.
     #[test]
     fn weights_are_bounded() {
         let c = coefficients(0.0);
-        let guide = Guide::new(&c, Vec3::X, 0.01);
+        let guide = Guide::new(&c, Vec3::X, 0.01).expect("a thin part");
         let mut rng = SmallRng::new(3);
         for _ in 0..1000 {
             let stretch = guide.stretch(0, Vec3::ZERO, Vec3::NEG_X, &mut rng);
-            let beta = stretch.weigh(&c, Vec3A::ONE, 4, 0.02, (Vec3::NEG_X * 0.02, Vec3::NEG_X));
+            let way = Way { collisions: 4, length: 0.02, p: Vec3::NEG_X * 0.02 };
+            let beta = stretch.weigh(&c, Vec3A::ONE, way, Vec3::NEG_X);
             let plain = c.weigh(Vec3A::ONE, 4, 0.02);
             assert!((beta / plain).max_element() <= 1.0 / (1.0 - SHARE) + 1e-4);
         }
+    }
+
+    /// Where the light comes in, and through thick parts, walks are plain.
+    #[test]
+    fn guides_only_where_it_pays() {
+        let c = coefficients(0.0);
+        assert!(Guide::new(&c, Vec3::X, 1e-6).is_none() && Guide::new(&c, Vec3::X, 1.0).is_none());
     }
 }

@@ -21,7 +21,7 @@
 //! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
-use super::guide::Guide;
+use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
@@ -141,22 +141,39 @@ fn walk_inside(
     let instance = flight.enclosure.instance;
     let mesh = flight.scene.geometry.mesh_of(instance);
     let transform = flight.scene.geometry.transform(instance);
-    let medium = flight.medium;
-    let radiance_scale = medium.ior * medium.ior;
-    let least_sigma_t = c.sigma_t.min_element();
-    let aims = flight.connection == Connection::Boundary;
-    let mut aiming = Aiming { mesh, transform, distance, aim: Aim::default(), rate: 0.0, state: None };
-    // The density of the last direction by the phase function, and the throughput before it was drawn.
-    let (mut phase_pdf, mut at_event) = (0.0, Vec3A::ZERO);
-
-    let mut d = transform.inverse_direction(head.direction);
-    let mut p = match &head.start {
+    let d = transform.inverse_direction(head.direction);
+    let p = match &head.start {
         Some(s) if s.instance == instance => {
             let (p, error) = mesh.point(s.triangle, s.barycentric.x, s.barycentric.y);
             offset_origin(p, error, mesh.geometric_normal(s.triangle), d)
         }
         _ => transform.inverse_point(head.position),
     };
+    match guide(flight, c, p) {
+        Some(guide) => walk_steered(flight, (c, distance, &guide), (p, d), head, sampler, connector),
+        None => walk_steered(flight, (c, distance, &Plain), (p, d), head, sampler, connector),
+    }
+}
+
+fn walk_steered<S: Steering>(
+    flight: &Flight<'_>,
+    (c, distance, steering): (&Coefficients, &DistanceBound, &S),
+    (mut p, mut d): (Vec3, Vec3),
+    head: &mut PathHead,
+    sampler: &mut Sampler,
+    connector: &mut dyn Connector,
+) -> Arrival {
+    let instance = flight.enclosure.instance;
+    let mesh = flight.scene.geometry.mesh_of(instance);
+    let transform = flight.scene.geometry.transform(instance);
+    let medium = flight.medium;
+    let radiance_scale = medium.ior * medium.ior;
+    let least_sigma_t = c.sigma_t.min_element();
+    let aims = flight.connection == Connection::Boundary;
+    let mut aiming = Aiming { mesh, transform, distance, aim: Aim::default(), rate: 0.0, state: None };
+    // The density of the last direction by the phase function, and, where it is guided, the throughput before it was drawn.
+    let (mut phase_pdf, mut at_event) = (0.0, Vec3A::ZERO);
+
     // Where the walk sets out from the surface of something else, `p` has lost what keeps it off that surface.
     let mut outset = Some(head.position);
     let mut beta = Vec3A::from(head.throughput);
@@ -166,10 +183,9 @@ fn walk_inside(
     // How far the boundary is at least.
     let mut clear = 0.0;
     let mut next_flight = draw_flight(sampler.rng());
-    let guide = if aims { guide(flight, c, p) } else { Guide::none() };
     let arrival = 'walk: loop {
         let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
-        let mut stretch = guide.stretch(channel, p, d, sampler.rng());
+        let mut stretch = steering.stretch(channel, p, d, sampler.rng());
         let most = c.stretch.min((flight.budget - head.events) as usize);
         let (mut collisions, mut length) = (0, 0.0);
         while collisions < most {
@@ -185,11 +201,13 @@ fn walk_inside(
                 if t >= clear {
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if aiming.rate > 0.0 && aiming.ready(p, clear, connector) {
+                            let at_event =
+                                if S::GUIDED { at_event } else { c.weigh(beta, collisions, length) };
                             let density = phase_pdf * c.arrival_probability(at_event, hit.t);
                             head.aimed = aiming.aim.aimed(transform.direction(d), aiming.rate / density);
                         }
                         p += d * hit.t;
-                        beta = stretch.weigh(c, beta, collisions, length + hit.t, (p, d));
+                        beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
                         break 'walk Arrival::Surface(placed(&hit, instance, transform.scale));
                     }
                     // Rounding next to a sharp edge may have let the walk out.
@@ -200,7 +218,7 @@ fn walk_inside(
             }
             if let Some(hit) = intruder {
                 p += d * hit.t;
-                beta = stretch.weigh(c, beta, collisions, length + hit.t, (p, d));
+                beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
                 break 'walk Arrival::Surface(Hit { t: hit.t * transform.scale, ..hit });
             }
             p += d * t;
@@ -223,7 +241,9 @@ fn walk_inside(
                 continue;
             }
             phase_pdf = c.phase.eval_directions(incoming, d);
-            at_event = stretch.weigh_event(c, beta, collisions, length, p);
+            if S::GUIDED {
+                at_event = stretch.weigh_event(c, beta, Way { collisions, length, p });
+            }
             // A path of little weight is not worth aiming.
             let worth = (beta.max_element() * radiance_scale).min(1.0);
             let decay = fast_math::exp_negative(Vec3A::splat(-AIMING_FALLOFF * clear * least_sigma_t));
@@ -237,6 +257,7 @@ fn walk_inside(
                 if let Some(hit) = mesh.intersect(&ray)
                     && intruders.intersect(p, None, local, hit.t).is_none()
                 {
+                    let at_event = if S::GUIDED { at_event } else { c.weigh(beta, collisions, length) };
                     let phase = c.phase.eval_directions(incoming, local);
                     let density = phase * c.arrival_probability(at_event, hit.t);
                     let throughput = at_event * c.transmittance(hit.t) * (phase / (pdf * aiming.rate));
@@ -246,7 +267,7 @@ fn walk_inside(
                 }
             }
         }
-        beta = stretch.weigh(c, beta, collisions, length, (p, d));
+        beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
         if survival == 0.0 || head.events >= flight.budget {
             break Arrival::Ended;
@@ -259,15 +280,16 @@ fn walk_inside(
     arrival
 }
 
-/// Guides the walk from `p` towards the strongest light.
-fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Guide {
+/// Guides walks from `p` towards the strongest light that directions can be aimed at.
+fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
+    if flight.connection != Connection::Boundary {
+        return None;
+    }
     let instance = flight.enclosure.instance;
     let transform = flight.scene.geometry.transform(instance);
     let from = transform.point(p);
     let lights = flight.scene.beacons.iter().map(|b| b.seen_from(from));
-    let Some(light) = lights.max_by(|a, b| a.irradiance.total_cmp(&b.irradiance)) else {
-        return Guide::none();
-    };
+    let light = lights.max_by(|a, b| a.irradiance.total_cmp(&b.irradiance))?;
     let axis = transform.inverse_direction(light.direction);
     let ray = Ray { origin: p, direction: axis, t_max: f32::INFINITY };
     let ahead = flight.scene.geometry.mesh_of(instance).intersect(&ray).map_or(0.0, |hit| hit.t);
