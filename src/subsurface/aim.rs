@@ -11,9 +11,11 @@
 //!
 //! D is wider than the boundary's own, to cover the bending of the surface. There are two ways to go on.
 //!
-//! - **Rough boundaries** ([`Aim::towards`]): ω_o is a light sample. Where the direction comes out, the light sampling of
-//!   the boundary is given the same random numbers and so finds the same light, ω_o up to parallax. Path and light
-//!   numbers together have density q(ω | ω_o) times that of light sampling, which cancels in the ratio to other techniques.
+//! - **Rough boundaries** ([`Aim::towards`]): ω_o is a light sample, and n the normal where it comes out if the boundary is
+//!   taken for a plane: one step of manifold next-event estimation (Hanika et al. 2015), of which the lobe does the rest.
+//!   Where the direction comes out, the light sampling of the boundary is given the same random numbers and so finds the
+//!   same light, ω_o up to parallax. Path and light numbers together have density q(ω | ω_o) times that of light sampling,
+//!   which cancels in the ratio to other techniques.
 //! - **Smooth boundaries**, and nearly smooth ones ([`Aim::at_beacons`]): what comes out is not up to us, it is refracted
 //!   on. The density must be that of ω alone, so ω_o is one of a handful of beacons ([`crate::light::beacon`]), and
 //!   q(ω) = Σ_k w_k q(ω | ω_k), with D_k wide enough to cover the size of the light.
@@ -55,15 +57,30 @@ pub struct Aimed {
     fixed: f32,
     /// Times q(ω | ω_o): beyond the boundary the light ω_o is sampled.
     scale: f32,
-    /// ω, and the point it starts from.
+    /// ω.
     direction: Vec3,
-    point: Vec3,
-    normal: Vec3,
+    /// What is aimed through.
+    boundary: NearBoundary,
     alpha: f32,
-    eta: f32,
+    /// The unit direction of a light, and the normal of the boundary where that light comes out.
+    light: Vec3,
+    normal: Vec3,
+    /// Whether the boundary leaves it to aiming to sample lights that can be found by chance, too.
+    pub(crate) alone: bool,
 }
 
 impl Aimed {
+    /// The same, for light from the unit direction `outside`: it comes out where the boundary has the normal that `emerging`
+    /// finds.
+    #[inline]
+    pub fn resolve(mut self, outside: Vec3, emerging: impl FnOnce(&NearBoundary) -> Vec3) -> Self {
+        if self.samples_light() && self.light != outside {
+            self.normal = emerging(&self.boundary);
+            self.light = outside;
+        }
+        self
+    }
+
     /// Whether there is any such ratio.
     #[inline]
     pub fn is_none(&self) -> bool {
@@ -79,18 +96,19 @@ impl Aimed {
     /// From where aimed directions have chosen their light, if they did.
     #[inline]
     pub fn anchor(&self) -> Option<Anchor> {
-        self.samples_light().then_some(Anchor { point: self.point, normal: None })
+        self.samples_light().then_some(Anchor { point: self.boundary.point, normal: None })
     }
 
     /// The ratio, for light from the unit direction `outside`.
     #[inline]
     pub fn ratio(&self, outside: Vec3) -> f32 {
         if self.scale > 0.0 {
-            if outside.dot(self.normal) <= LOWEST {
+            let (normal, eta) = (self.normal, self.boundary.eta);
+            if outside.dot(normal) <= LOWEST {
                 return 0.0;
             }
-            let cos = |h: Vec3| h.dot(self.normal);
-            let density = density(self.direction, outside, self.eta, self.alpha, cos);
+            let cos = |h: Vec3| h.dot(normal);
+            let density = density(self.direction, outside, eta, self.alpha, cos);
             (self.scale * density).min(LARGEST_RATIO)
         } else {
             self.fixed
@@ -116,6 +134,19 @@ fn density(direction: Vec3, outside: Vec3, eta: f32, alpha: f32, cos: impl Fn(Ve
     ggx::distribution(Vec3::new(sin, 0.0, cos_h), alpha) * cos_h * eta * eta * cos_i / (length * length)
 }
 
+/// The boundary of an object, near to a point inside.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NearBoundary {
+    /// The object.
+    pub instance: u32,
+    /// The point.
+    pub point: Vec3,
+    /// Outward unit normal of the boundary.
+    pub normal: Vec3,
+    /// Index inside over outside (> 1).
+    pub eta: f32,
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Lobe {
     /// Towards the light, in the frame of the boundary.
@@ -129,9 +160,10 @@ struct Lobe {
 /// Aimed directions at one point.
 #[derive(Clone, Copy, Debug)]
 pub struct Aim {
-    point: Vec3,
+    boundary: NearBoundary,
     frame: Mat3,
-    eta: f32,
+    /// The light that was aimed at.
+    light: Vec3,
     /// GGX width of the boundary.
     alpha: f32,
     lobes: [Lobe; MOST],
@@ -142,18 +174,24 @@ pub struct Aim {
 impl Default for Aim {
     fn default() -> Self {
         let (frame, lobes) = (Mat3::IDENTITY, [Lobe::default(); MOST]);
-        Self { point: Vec3::ZERO, frame, eta: 1.0, alpha: 0.0, lobes, len: 0, numbers: None }
+        Self {
+            boundary: NearBoundary::default(),
+            frame,
+            light: Vec3::ZERO,
+            alpha: 0.0,
+            lobes,
+            len: 0,
+            numbers: None,
+        }
     }
 }
 
 impl Aim {
-    /// Aims from `point` through a boundary with the outward unit normal `normal` near by; `alpha` is its GGX width, `eta` the index inside over
-    /// outside (> 1).
-    pub fn set_boundary(&mut self, point: Vec3, normal: Vec3, eta: f32, alpha: f32) {
-        let (x, y) = orthonormal_basis(normal);
-        self.point = point;
-        self.frame = Mat3::from_cols(x, y, normal);
-        self.eta = eta;
+    /// Aims through a boundary near by of GGX width `alpha`.
+    pub fn set_boundary(&mut self, boundary: NearBoundary, alpha: f32) {
+        let (x, y) = orthonormal_basis(boundary.normal);
+        self.boundary = boundary;
+        self.frame = Mat3::from_cols(x, y, boundary.normal);
         self.alpha = alpha;
         self.len = 0;
         self.numbers = None;
@@ -168,7 +206,7 @@ impl Aim {
     /// From where the light is chosen.
     #[inline]
     pub fn anchor(&self) -> Anchor {
-        Anchor { point: self.point, normal: None }
+        Anchor { point: self.boundary.point, normal: None }
     }
 
     /// The light sample that was aimed at.
@@ -183,8 +221,17 @@ impl Aim {
         (WIDENING * self.alpha).hypot(CURVATURE)
     }
 
-    /// Aims at light from the unit direction `outside`, sampled with `numbers`. False: it does not reach the boundary.
-    pub fn towards(&mut self, outside: Vec3, numbers: LightNumbers) -> bool {
+    /// What is aimed through.
+    pub fn boundary(&self) -> &NearBoundary {
+        &self.boundary
+    }
+
+    /// Aims at light from the unit direction `outside`, sampled with `numbers`, which comes out where the boundary has this
+    /// normal. False: it does not reach the boundary.
+    pub fn towards(&mut self, outside: Vec3, normal: Vec3, numbers: LightNumbers) -> bool {
+        let (x, y) = orthonormal_basis(normal);
+        self.frame = Mat3::from_cols(x, y, normal);
+        self.light = outside;
         let outside = self.frame.transpose() * outside;
         self.numbers = Some(numbers);
         self.lobes[0] = Lobe { outside, alpha: self.width().min(WIDEST), share: 1.0, cumulative: 1.0 };
@@ -204,7 +251,7 @@ impl Aim {
             if cosine <= 0.02 {
                 continue;
             }
-            let size = seen.radius / (self.eta - 1.0);
+            let size = seen.radius / (self.boundary.eta - 1.0);
             let width = self.width().hypot(size).min(WIDEST);
             let share = seen.irradiance * cosine.min(1.0);
             total += share;
@@ -233,7 +280,7 @@ impl Aim {
         if lobe.outside.dot(m) <= 0.0 {
             return None;
         }
-        let direction = -fresnel::refract(lobe.outside, m, self.eta)?.normalize();
+        let direction = -fresnel::refract(lobe.outside, m, self.boundary.eta)?.normalize();
         let pdf = self.pdf_local(direction);
         (pdf > 0.0).then(|| (self.frame * direction, pdf))
     }
@@ -244,8 +291,13 @@ impl Aim {
     }
 
     fn pdf_local(&self, direction: Vec3) -> f32 {
-        let of = |l: &Lobe| l.share * density(direction, l.outside, self.eta, l.alpha, |h| h.z);
+        let of = |l: &Lobe| l.share * density(direction, l.outside, self.boundary.eta, l.alpha, |h| h.z);
         self.lobes[..self.len].iter().map(of).sum()
+    }
+
+    /// [`Aim::aimed`] of a direction that has just been drawn.
+    pub fn drawn(&self, direction: Vec3, scale: f32) -> Aimed {
+        self.aimed(direction, scale).resolve(self.light, |_| self.frame.z_axis)
     }
 
     /// How the direction of travel `direction` could have been aimed, with a probability of aiming at all that is `scale`
@@ -253,9 +305,9 @@ impl Aim {
     pub fn aimed(&self, direction: Vec3, scale: f32) -> Aimed {
         let none = Aimed::default();
         if self.samples_light() {
-            let (point, normal) = (self.point, self.frame.z_axis);
-            let (alpha, eta) = (self.width().min(WIDEST), self.eta);
-            Aimed { scale: scale.min(LARGEST_RATIO), direction, point, normal, alpha, eta, ..none }
+            let (boundary, alpha) = (self.boundary, self.width().min(WIDEST));
+            let normal = boundary.normal;
+            Aimed { scale: scale.min(LARGEST_RATIO), direction, boundary, normal, alpha, ..none }
         } else {
             Aimed { fixed: (scale * self.pdf(direction)).min(LARGEST_RATIO), ..none }
         }
@@ -281,7 +333,8 @@ mod tests {
         let environment = EnvironmentDescription::default();
         let lights = Lights::build(Vec::new(), &punctual, &environment);
         let mut aim = Aim::default();
-        aim.set_boundary(Vec3::ZERO, Vec3::new(0.1, 0.2, 0.97).normalize(), 1.4, 0.3);
+        let normal = Vec3::new(0.1, 0.2, 0.97).normalize();
+        aim.set_boundary(NearBoundary { instance: 0, point: Vec3::ZERO, normal, eta: 1.4 }, 0.3);
         assert!(aim.at_beacons(&beacons(&lights, &punctual), Vec3::ZERO));
         aim
     }

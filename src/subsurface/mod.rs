@@ -11,6 +11,7 @@
 //! answers [`Arrival::Exit`] multiplies by η² to bring it out again.
 
 mod aim;
+mod aiming;
 mod better_dipole;
 mod brdf_approximation;
 mod dipole;
@@ -19,6 +20,7 @@ mod exit_search;
 mod from_boundary;
 mod guide;
 mod intruders;
+mod last_event;
 mod light_biased;
 mod normalized_diffusion;
 mod photon_beam_diffusion;
@@ -29,7 +31,7 @@ mod spectral;
 mod tables;
 mod textured;
 
-pub use aim::{Aim, Aimed, LightNumbers};
+pub use aim::{Aim, Aimed, LightNumbers, NearBoundary};
 pub use better_dipole::BetterDipole;
 pub use brdf_approximation::BrdfApproximation;
 pub use dipole::Dipole;

@@ -15,17 +15,19 @@
 //! **Guiding.** Walks below a boundary that lights can be aimed through are drawn towards the strongest of them
 //! ([`super::guide`]).
 //!
-//! **Aimed connections.** At an event near the boundary, with probability a (less with depth and for paths of little
-//! weight), a direction ω is also aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that
-//! it finds directly is added. The path itself may find the same light: its direction has density p (the phase function),
-//! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
+//! **Connections.** Where a walk has met the boundary, its last event is connected to light ([`super::last_event`]): a
+//! direction ω is aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that it finds directly is
+//! added. Guided walks are connected at events near the boundary instead, each with some probability. The path itself may
+//! find the same light: its direction has density p (the phase function), and it reaches the boundary with probability P.
+//! Both are weighed by the power heuristic with the ratio r = a q/(p P), a connections being made on average
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
+use super::aiming::{AIMING_DEPTH, Aiming, Event};
 use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
-use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
-use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
+use super::{Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
+use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::Scene;
@@ -33,12 +35,6 @@ use glam::{Vec3, Vec3A};
 
 /// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
-
-/// Depth below the boundary, in the longest mean free path, down to which directions are aimed at lights.
-pub(super) const AIMING_DEPTH: f32 = 2.0;
-/// Probability of aiming at the boundary, and how fast it falls with depth. Measured: more costs more than it saves.
-pub(super) const AIMING_RATE: f32 = 0.35;
-pub(super) const AIMING_FALLOFF: f32 = 1.5;
 
 /// The ground truth.
 pub struct RandomWalk;
@@ -169,19 +165,23 @@ fn walk_steered<S: Steering>(
     let medium = flight.medium;
     let radiance_scale = medium.ior * medium.ior;
     let least_sigma_t = c.sigma_t.min_element();
-    let aims = flight.connection == Connection::Boundary;
-    let mut aiming = Aiming { mesh, transform, distance, aim: Aim::default(), rate: 0.0, state: None };
-    // The density of the last direction by the phase function, and, where it is guided, the throughput before it was drawn.
-    let (mut phase_pdf, mut at_event) = (0.0, Vec3A::ZERO);
+    let bounds = mesh.bounds();
+    let intruders = Intruders::new(flight, transform, bounds.extent().length());
+    // Plain walks are connected to light where they meet the boundary, guided ones at their events.
+    let at_arrival = flight.connection == Connection::Boundary && !S::GUIDED;
+    let at_events = flight.connection == Connection::Boundary && S::GUIDED;
+    let mut aiming = Aiming::new(instance, (mesh, transform, distance), &intruders);
+    // The last event, where it was connected to light.
+    let mut event = Event { p, clear: 0.0, incoming: d, beta: Vec3A::ZERO };
 
     // Where the walk sets out from the surface of something else, `p` has lost what keeps it off that surface.
     let mut outset = Some(head.position);
     let mut beta = Vec3A::from(head.throughput);
-    let bounds = mesh.bounds();
     let enough = AIMING_DEPTH / least_sigma_t;
-    let intruders = Intruders::new(flight, transform, bounds.extent().length());
     // How far the boundary is at least.
     let mut clear = 0.0;
+    // Direction of travel before the last event.
+    let mut before = d;
     let mut next_flight = draw_flight(sampler.rng());
     let arrival = 'walk: loop {
         let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
@@ -200,11 +200,13 @@ fn walk_steered<S: Steering>(
                 clear = distance.bound(mesh, p);
                 if t >= clear {
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
-                        if aiming.rate > 0.0 && aiming.ready(p, clear, connector) {
-                            let at_event =
-                                if S::GUIDED { at_event } else { c.weigh(beta, collisions, length) };
-                            let density = phase_pdf * c.arrival_probability(at_event, hit.t);
-                            head.aimed = aiming.aim.aimed(transform.direction(d), aiming.rate / density);
+                        if at_events {
+                            head.aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
+                        } else if at_arrival && head.events > 0 && clear < enough {
+                            let event =
+                                Event { p, clear, incoming: before, beta: c.weigh(beta, collisions, length) };
+                            let drawn = (c.channels(beta, collisions, length), worth(beta, radiance_scale));
+                            head.aimed = aiming.at_arrival(c, &event, drawn, (d, hit.t), sampler, connector);
                         }
                         p += d * hit.t;
                         beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
@@ -217,6 +219,15 @@ fn walk_steered<S: Steering>(
                 }
             }
             if let Some(hit) = intruder {
+                if at_arrival && head.events > 0 {
+                    let clear = distance.bound(mesh, p);
+                    if clear < enough {
+                        let event =
+                            Event { p, clear, incoming: before, beta: c.weigh(beta, collisions, length) };
+                        let drawn = (c.channels(beta, collisions, length), worth(beta, radiance_scale));
+                        aiming.at_arrival(c, &event, drawn, (d, hit.t), sampler, connector);
+                    }
+                }
                 p += d * hit.t;
                 beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
                 break 'walk Arrival::Surface(Hit { t: hit.t * transform.scale, ..hit });
@@ -226,10 +237,10 @@ fn walk_steered<S: Steering>(
             clear -= t;
             collisions += 1;
             head.events += 1;
-            let incoming = d;
-            stretch.collide(incoming);
+            before = d;
+            stretch.collide(d);
             d = turned;
-            if !aims {
+            if !at_events {
                 continue;
             }
             aiming.forget();
@@ -240,32 +251,9 @@ fn walk_steered<S: Steering>(
             if clear >= enough {
                 continue;
             }
-            phase_pdf = c.phase.eval_directions(incoming, d);
-            if S::GUIDED {
-                at_event = stretch.weigh_event(c, beta, Way { collisions, length, p });
-            }
-            // A path of little weight is not worth aiming.
-            let worth = (beta.max_element() * radiance_scale).min(1.0);
-            let decay = fast_math::exp_negative(Vec3A::splat(-AIMING_FALLOFF * clear * least_sigma_t));
-            aiming.rate = AIMING_RATE * worth * decay.x;
-            if sampler.rng().f32() < aiming.rate
-                && aiming.ready(p, clear, connector)
-                && let Some((direction, pdf)) = connector.draw(transform.point(p), &mut aiming.aim, sampler)
-            {
-                let local = transform.inverse_direction(direction);
-                let ray = Ray { origin: p, direction: local, t_max: f32::INFINITY };
-                if let Some(hit) = mesh.intersect(&ray)
-                    && intruders.intersect(p, None, local, hit.t).is_none()
-                {
-                    let at_event = if S::GUIDED { at_event } else { c.weigh(beta, collisions, length) };
-                    let phase = c.phase.eval_directions(incoming, local);
-                    let density = phase * c.arrival_probability(at_event, hit.t);
-                    let throughput = at_event * c.transmittance(hit.t) * (phase / (pdf * aiming.rate));
-                    let aimed = aiming.aim.aimed(direction, aiming.rate / density);
-                    let hit = placed(&hit, instance, transform.scale);
-                    connector.emerge(&hit, direction, throughput.into(), &aiming.aim, aimed, sampler);
-                }
-            }
+            let at_event = stretch.weigh_event(c, beta, Way { collisions, length, p });
+            event = Event { p, clear, incoming: before, beta: at_event };
+            aiming.at_event(c, &event, worth(beta, radiance_scale), sampler, connector);
         }
         beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
@@ -278,6 +266,11 @@ fn walk_steered<S: Steering>(
     head.direction = transform.direction(d);
     head.throughput = beta.into();
     arrival
+}
+
+/// A path of little weight is not worth a connection.
+fn worth(beta: Vec3A, radiance_scale: f32) -> f32 {
+    (beta.max_element() * radiance_scale).min(1.0)
 }
 
 /// Guides walks from `p` towards the strongest light that directions can be aimed at.
@@ -296,42 +289,8 @@ fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
     Guide::new(c, axis, ahead)
 }
 
-/// Aiming at the last event: how likely it was, and the directions, which are found when they are asked for.
-struct Aiming<'a> {
-    mesh: &'a MeshGeometry,
-    transform: &'a Similarity,
-    distance: &'a DistanceBound,
-    aim: Aim,
-    /// Probability that a direction was aimed.
-    rate: f32,
-    /// Whether there is anything to aim at, once that is known.
-    state: Option<bool>,
-}
-
-impl Aiming<'_> {
-    fn forget(&mut self) {
-        self.rate = 0.0;
-        self.state = None;
-    }
-
-    /// Finds the directions from `p`, where the boundary is at least `bound` away.
-    fn ready(&mut self, p: Vec3, bound: f32, connector: &mut dyn Connector) -> bool {
-        if let Some(state) = self.state {
-            return state;
-        }
-        let nearest = || self.mesh.nearest(p, self.distance.reach(bound));
-        let normal = self.distance.normal(self.mesh, p);
-        let normal = normal.or_else(|| nearest().map(|n| self.mesh.geometric_normal(n.triangle)));
-        let state = normal.is_some_and(|n| {
-            connector.aim(self.transform.point(p), self.transform.direction(n), &mut self.aim)
-        });
-        self.state = Some(state);
-        state
-    }
-}
-
 /// A hit of an instance's mesh as one of the scene.
-fn placed(hit: &MeshHit, instance: u32, scale: f32) -> Hit {
+pub(super) fn placed(hit: &MeshHit, instance: u32, scale: f32) -> Hit {
     Hit { t: hit.t * scale, instance, triangle: hit.triangle, u: hit.u, v: hit.v }
 }
 
@@ -373,7 +332,7 @@ fn walk_in_scene(
 
 /// A new direction of travel.
 #[inline]
-fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3 {
+pub(super) fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3 {
     if phase.g == 0.0 { uniform_direction(rng) } else { phase.sample(incoming, rng.vec2()).0 }
 }
 

@@ -120,6 +120,14 @@ impl Coefficients {
         carried * self.scattering[collisions] * (throughput.element_sum() / density)
     }
 
+    /// With which probability each channel has been drawn for this stretch, given its collisions and length so far.
+    #[inline]
+    pub fn channels(&self, throughput: Vec3A, collisions: usize, length: f32) -> Vec3A {
+        let carried = throughput * self.relative_transmittance(throughput, length);
+        let density = carried * self.extinction[collisions];
+        density / density.element_sum()
+    }
+
     /// The probability to reach `t` without a collision, under the mixture over channels.
     #[inline]
     pub fn arrival_probability(&self, throughput: Vec3A, t: f32) -> f32 {

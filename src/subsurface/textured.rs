@@ -17,7 +17,8 @@
 //! Σβ e^{−σt t}/Σβ with β and σt of the event, exact where the medium is the same all the way. Weights add up to 1 for
 //! every path whatever P is, so a wrong P costs noise and nothing else.
 
-use super::random_walk::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE, scatter, survival};
+use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
+use super::random_walk::{scatter, survival};
 use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
 use crate::sampling::{Sampler, SmallRng};
@@ -266,7 +267,7 @@ impl Aiming {
         let transmittance = textured.transmittance(self.point, direction, hit.t, sampler.rng());
         textured.last = here;
         let phase = flight.medium.phase().eval_directions(self.incoming, direction);
-        let aimed = self.aim.aimed(direction, self.rate / (phase * self.arrival_probability(hit.t)));
+        let aimed = self.aim.drawn(direction, self.rate / (phase * self.arrival_probability(hit.t)));
         let throughput = self.throughput * transmittance * (phase / (pdf * self.rate));
         if throughput.max_element() > 0.0 {
             connector.emerge(&hit, direction, throughput, &self.aim, aimed, sampler);

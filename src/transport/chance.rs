@@ -17,7 +17,8 @@ impl PathTracer<'_> {
         } else {
             (0.0, 1.0)
         };
-        let weight = Techniques::new(&v.aimed, direction, light, chance).weigh_chance();
+        let weight =
+            Techniques::new(&self.resolved(v.aimed, direction), direction, light, chance).weigh_chance();
         let mut scale = 1.0;
         if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
             // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
@@ -35,7 +36,9 @@ impl PathTracer<'_> {
             Some(id) => (self.scene.lights.emitter_pdf_at(id, v.point, &v.anchor, surface.position), v.pdf),
             None => (0.0, 1.0),
         };
-        let weight = Techniques::new(&v.aimed, path.head.direction, light, chance).weigh_chance();
+        let weight =
+            Techniques::new(&self.resolved(v.aimed, path.head.direction), path.head.direction, light, chance)
+                .weigh_chance();
         // Where lights were sampled, too, both techniques must find the same light.
         let footprint = if v.connected { 0.0 } else { surface.footprint };
         path.head.throughput * self.scene.emission(&Surface { footprint, ..*surface }) * weight

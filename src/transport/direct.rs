@@ -101,6 +101,9 @@ impl PathTracer<'_> {
         let Some(light) = self.scene.lights.sample_at(s.surface.position, &s.anchor, u_select, u) else {
             return Vec3::ZERO;
         };
+        if s.reached.aimed.alone && !s.reached.by_aiming && !light.delta {
+            return Vec3::ZERO;
+        }
         let wi = s.frame.transpose() * light.direction;
         let to_front = light.direction.dot(s.surface.geometric_normal) > 0.0;
         let frame_front = s.frame.z_axis.dot(s.surface.geometric_normal) > 0.0;
@@ -115,7 +118,8 @@ impl PathTracer<'_> {
             return Vec3::ZERO;
         }
         let by_chance = if light.delta { 0.0 } else { pdf };
-        let techniques = Techniques::new(&s.reached.aimed, light.direction, light.pdf, by_chance);
+        let aimed = self.resolved(s.reached.aimed, light.direction);
+        let techniques = Techniques::new(&aimed, light.direction, light.pdf, by_chance);
         let weight = if s.reached.by_aiming { techniques.weigh_aimed() } else { techniques.weigh_light() };
         let contribution = f * light.radiance * (weight / light.pdf);
         if contribution.max_element() <= 0.0 {

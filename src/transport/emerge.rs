@@ -8,10 +8,10 @@ use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::light::{Anchor, LightSample};
-use crate::optics::{Bsdf, HenyeyGreenstein};
+use crate::optics::{Bsdf, HenyeyGreenstein, fresnel};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{Shading, Surface};
-use crate::subsurface::{Aim, Aimed, Connector, LightNumbers};
+use crate::subsurface::{Aim, Aimed, Connector, LightNumbers, NearBoundary};
 use glam::{Mat3, Vec3};
 
 /// The lobe number that chooses refraction where there is any.
@@ -144,7 +144,8 @@ impl Connector for FlightLights<'_, '_> {
         let material = scene.material(self.enclosure.material);
         let Some(medium) = &material.medium else { return false };
         let alpha = material.roughness * material.roughness;
-        aim.set_boundary(point, normal, medium.ior, alpha);
+        let instance = self.enclosure.instance;
+        aim.set_boundary(NearBoundary { instance, point, normal, eta: medium.ior }, alpha);
         aim.samples_light() || aim.at_beacons(&scene.beacons, point)
     }
 
@@ -153,7 +154,8 @@ impl Connector for FlightLights<'_, '_> {
             let numbers = LightNumbers { select: sampler.next_1d(), point: sampler.next_2d() };
             let lights = &self.tracer.scene.lights;
             let light = lights.sample_at(point, &aim.anchor(), numbers.select, numbers.point)?;
-            if !aim.towards(light.direction, numbers) {
+            let normal = self.tracer.emerging_normal(aim.boundary(), light.direction);
+            if !aim.towards(light.direction, normal, numbers) {
                 return None;
             }
         }
@@ -204,5 +206,32 @@ impl Connector for FlightLights<'_, '_> {
             self.refracted(&shaded, &aimed, sampler)
         };
         self.radiance += throughput * light;
+    }
+}
+
+impl PathTracer<'_> {
+    /// The normal of the boundary where light from the unit direction `outside` leaves towards a point inside, to first
+    /// order: where it would if the boundary had the normal near by everywhere.
+    pub(super) fn emerging_normal(&self, nearby: &NearBoundary, outside: Vec3) -> Vec3 {
+        let NearBoundary { instance, point, normal, eta } = *nearby;
+        if outside.dot(normal) <= 0.0 {
+            return normal;
+        }
+        let Some(inward) = fresnel::refract(outside, normal, eta) else { return normal };
+        let direction = -inward.normalize();
+        let ray = Ray { origin: point, direction, t_max: f32::INFINITY };
+        match self.scene.geometry.intersect_instance(instance, &ray) {
+            Some(hit) => {
+                let surface = Surface::new(self.scene, &hit);
+                if direction.dot(surface.geometric_normal) > 0.0 { surface.normal } else { normal }
+            }
+            None => normal,
+        }
+    }
+
+    /// `aimed`, for light from the unit direction `outside`.
+    #[inline]
+    pub(super) fn resolved(&self, aimed: Aimed, outside: Vec3) -> Aimed {
+        aimed.resolve(outside, |nearby| self.emerging_normal(nearby, outside))
     }
 }

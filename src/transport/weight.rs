@@ -8,6 +8,9 @@
 //! | b | a scattered ray that happens to meet the light | `chance` |
 //! | c | the vertex is a boundary met from inside, and the direction to it was aimed ([`crate::subsurface::Aim`]) | r × a where aiming samples light, r × b where it scatters on |
 //!
+//! Where every path has its aimed connection, light that chance can find is not sampled at the boundary, too
+//! (`Aimed::alone`): a shadow ray for nearly nothing.
+//!
 //! Densities are relative to that of the path up to the vertex, which all share but for the ratio r.
 
 use crate::subsurface::Aimed;
@@ -27,8 +30,9 @@ impl Techniques {
     #[inline]
     pub fn new(aimed: &Aimed, outside: Vec3, light: f32, chance: f32) -> Self {
         let base = if aimed.samples_light() { light } else { chance };
-        let aimed = if aimed.is_none() { 0.0 } else { base * aimed.ratio(outside) };
-        Self { light, chance, aimed }
+        let ratio = if aimed.is_none() { 0.0 } else { aimed.ratio(outside) };
+        let light = if aimed.alone && chance > 0.0 { 0.0 } else { light };
+        Self { light, chance, aimed: base * ratio }
     }
 
     /// The weight of light sampling.
