@@ -23,7 +23,7 @@ const MOST: usize = 64;
 
 /// Tangents of the vertices that are each in one fan.
 pub(super) struct Fans {
-    /// The tangent of each vertex, with the sign of the bitangent; `None` where its triangles are not one fan.
+    /// The tangent of each vertex, with the sign of the bitangent of glTF ([`super::tangent`]); `None` where its triangles are not one fan.
     pub tangents: Vec<Option<Vec4>>,
 }
 
@@ -130,7 +130,7 @@ fn tangent(
         sum += flat(directions[triangle].0).unwrap_or_default() * angle;
     }
     let tangent = sum.try_normalize()?;
-    Some(tangent.extend(if preserves { 1.0 } else { -1.0 }))
+    Some(tangent.extend(if preserves { -1.0 } else { 1.0 }))
 }
 
 /// Whether the triangles of these corners hang together by the edges at their common vertex, two at an edge at most.

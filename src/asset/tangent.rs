@@ -3,6 +3,9 @@
 //! MikkTSpace gives a tangent to each corner of a triangle. Corners that share a vertex but not a tangent (at seams of
 //! the texture) get a vertex each.
 //!
+//! MikkTSpace has v grow upwards, glTF downwards. The bitangent of glTF points up in the picture, as the green of normal maps
+//! does, so its sign is the opposite of MikkTSpace's.
+//!
 //! Nearly all vertices of a mesh are in the middle, or at an open end, of one fan of triangles; what MikkTSpace gives to
 //! those is a closed form ([`super::fans`]). The others, at mirrored textures and where surfaces touch, are left to the
 //! library, with the triangles around them: what a corner gets depends on the triangles at its place alone. Only triangles
@@ -55,7 +58,8 @@ impl Geometry for Corners<'_> {
         self.uvs[self.vertex(face, corner)].to_array()
     }
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
-        self.tangents[3 * face + corner] = space.map(|s| Vec4::from(s.tangent_encoded()));
+        self.tangents[3 * face + corner] =
+            space.map(|s| Vec4::from(s.tangent_encoded()) * Vec4::new(1.0, 1.0, 1.0, -1.0));
     }
 }
 
@@ -148,7 +152,7 @@ fn averages(primitive: &Primitive, uvs: &[Vec2], triangles: &[u32]) -> Vec<Optio
     let tangent = |&i: &u32| {
         let (normal, (u, v)) = (primitive.normals[i as usize], sums[i as usize]);
         let tangent = u.reject_from_normalized(normal).try_normalize()?;
-        let sign = if normal.cross(tangent).dot(v) < 0.0 { -1.0 } else { 1.0 };
+        let sign = if normal.cross(tangent).dot(v) < 0.0 { 1.0 } else { -1.0 };
         Some(tangent.extend(sign))
     };
     triangles.iter().flat_map(|&t| &primitive.triangles[t as usize]).map(tangent).collect()
@@ -217,7 +221,7 @@ mod tests {
     fn both_ways_give_the_direction_of_u() {
         for (u, mirrored) in [(Vec2::X, false), (Vec2::new(0.6, 0.8), false), (Vec2::new(0.6, -0.8), true)] {
             let mut primitive = fan(u, mirrored);
-            let expected = u.extend(0.0).extend(if mirrored { -1.0 } else { 1.0 });
+            let expected = u.extend(0.0).extend(if mirrored { 1.0 } else { -1.0 });
             for tangent in averages(&primitive, &primitive.uvs[0], &ALL) {
                 let tangent = tangent.expect("a tangent");
                 assert!((tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
@@ -227,6 +231,29 @@ mod tests {
             for tangent in &primitive.tangents {
                 assert!((*tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
             }
+        }
+    }
+
+    /// A square that shows a picture upright: v is 0 at its upper edge. Green of a normal map is up (glTF 2.0 §3.9.3).
+    #[test]
+    fn the_bitangent_of_an_upright_picture_points_up() {
+        let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        let mut square = Primitive {
+            positions: corners.iter().map(|c| c.extend(0.0)).collect(),
+            normals: vec![Vec3::Z; 4],
+            uvs: vec![corners.iter().map(|c| Vec2::new(c.x, 1.0 - c.y)).collect()],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Primitive::default()
+        };
+        let averaged = averages(&square, &square.uvs[0], &[0, 1]);
+        let library = mikktspace(&square, &square.uvs[0], &[0, 1]);
+        complete(&mut square, 0);
+        for tangent in averaged.into_iter().chain(library).flatten().chain(square.tangents) {
+            let up = Vec3::Z.cross(tangent.truncate()) * tangent.w;
+            assert!(
+                (tangent.truncate() - Vec3::X).length() < 1e-6 && (up - Vec3::Y).length() < 1e-6,
+                "{tangent}"
+            );
         }
     }
 
