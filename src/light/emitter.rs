@@ -184,13 +184,19 @@ impl Emitter {
                     return None;
                 }
             }
-            let radiance = self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
+            let radiance =
+                self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
             return Some(EmitterSample { direction, distance, radiance, pdf });
         }
         let barycentrics = warp::uniform_triangle(u);
         let position = v0 + barycentrics.x * (v1 - v0) + barycentrics.y * (v2 - v0);
         let (direction, distance, pdf) = self.area_density(point, position)?;
-        Some(EmitterSample { direction, distance, radiance: self.radiance_at(direction, || barycentrics), pdf })
+        Some(EmitterSample {
+            direction,
+            distance,
+            radiance: self.radiance_at(direction, || barycentrics),
+            pdf,
+        })
     }
 
     /// Density of [`Self::sample`] with respect to solid angle for the direction to `position`, a point of the emitter.

@@ -148,7 +148,11 @@ impl Substrate {
         let color =
             self.i.metallic * self.i.metal.average() + dielectric * (opaque + self.i.dielectric.average());
         let lambertian = dielectric * opaque.max_element().min(1.0);
-        Spread { lambertian, alpha: self.i.facets.mean_width(anisotropic::REFLECTED), color: color.min(Vec3::ONE) }
+        Spread {
+            lambertian,
+            alpha: self.i.facets.mean_width(anisotropic::REFLECTED),
+            color: color.min(Vec3::ONE),
+        }
     }
 
     fn coat_albedo(&self, d: Directional) -> f32 {

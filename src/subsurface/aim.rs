@@ -18,6 +18,8 @@
 //!   on. The density must be that of ω alone, so ω_o is one of a handful of beacons ([`crate::light::beacon`]), and
 //!   q(ω) = Σ_k w_k q(ω | ω_k), with D_k wide enough to cover the size of the light.
 
+use super::Connector;
+use crate::geometry::{DistanceBound, MeshGeometry, Similarity};
 use crate::light::Anchor;
 use crate::light::beacon::{Beacon, MOST};
 use crate::optics::{fresnel, ggx};
@@ -259,6 +261,41 @@ impl Aim {
         } else {
             Aimed { fixed: (scale * self.pdf(direction)).min(LARGEST_RATIO), ..none }
         }
+    }
+}
+
+/// Aiming at the last event: how likely it was, and the directions, which are found when they are asked for.
+pub(super) struct Aiming<'a> {
+    pub mesh: &'a MeshGeometry,
+    pub transform: &'a Similarity,
+    pub distance: &'a DistanceBound,
+    pub aim: Aim,
+    /// Probability that a direction was aimed.
+    pub rate: f32,
+    /// Whether there is anything to aim at, once that is known.
+    pub state: Option<bool>,
+}
+
+impl Aiming<'_> {
+    /// At a new event nothing is known yet.
+    pub fn forget(&mut self) {
+        self.rate = 0.0;
+        self.state = None;
+    }
+
+    /// Finds the directions from `p`, where the boundary is at least `bound` away.
+    pub fn ready(&mut self, p: Vec3, bound: f32, connector: &mut dyn Connector) -> bool {
+        if let Some(state) = self.state {
+            return state;
+        }
+        let nearest = || self.mesh.nearest(p, self.distance.reach(bound));
+        let normal = self.distance.normal(self.mesh, p);
+        let normal = normal.or_else(|| nearest().map(|n| self.mesh.geometric_normal(n.triangle)));
+        let state = normal.is_some_and(|n| {
+            connector.aim(self.transform.point(p), self.transform.direction(n), &mut self.aim)
+        });
+        self.state = Some(state);
+        state
     }
 }
 

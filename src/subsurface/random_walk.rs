@@ -21,11 +21,12 @@
 //! and it reaches the boundary with probability P. All are weighed by the power heuristic with the ratio r = a q/(p P)
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
+use super::aim::Aiming;
 use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::{Aim, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
-use crate::geometry::{DistanceBound, Hit, MeshGeometry, MeshHit, Ray, Similarity, offset_origin};
+use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::{Sampler, SmallRng, fast_math};
 use crate::scene::Scene;
@@ -294,40 +295,6 @@ fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
     let ray = Ray { origin: p, direction: axis, t_max: f32::INFINITY };
     let ahead = flight.scene.geometry.mesh_of(instance).intersect(&ray).map_or(0.0, |hit| hit.t);
     Guide::new(c, axis, ahead)
-}
-
-/// Aiming at the last event: how likely it was, and the directions, which are found when they are asked for.
-struct Aiming<'a> {
-    mesh: &'a MeshGeometry,
-    transform: &'a Similarity,
-    distance: &'a DistanceBound,
-    aim: Aim,
-    /// Probability that a direction was aimed.
-    rate: f32,
-    /// Whether there is anything to aim at, once that is known.
-    state: Option<bool>,
-}
-
-impl Aiming<'_> {
-    fn forget(&mut self) {
-        self.rate = 0.0;
-        self.state = None;
-    }
-
-    /// Finds the directions from `p`, where the boundary is at least `bound` away.
-    fn ready(&mut self, p: Vec3, bound: f32, connector: &mut dyn Connector) -> bool {
-        if let Some(state) = self.state {
-            return state;
-        }
-        let nearest = || self.mesh.nearest(p, self.distance.reach(bound));
-        let normal = self.distance.normal(self.mesh, p);
-        let normal = normal.or_else(|| nearest().map(|n| self.mesh.geometric_normal(n.triangle)));
-        let state = normal.is_some_and(|n| {
-            connector.aim(self.transform.point(p), self.transform.direction(n), &mut self.aim)
-        });
-        self.state = Some(state);
-        state
-    }
 }
 
 /// A hit of an instance's mesh as one of the scene.
