@@ -184,8 +184,8 @@ fn boundaries_of_every_extension_conserve_energy() {
     furnaces(boundaries());
 }
 
-/// A film on plastic gives the base what the strongest channel of its reflectance leaves, as its specification has it
-/// ("fresnel mix … max"): a white film keeps less than it takes, by the mean distance of its channels to the strongest one.
+/// A film on plastic gives the base what the strongest channel of its reflectance leaves, as its specification has it: a
+/// white film keeps less than it takes, by the mean distance of its channels to the strongest one at each angle.
 #[test]
 fn a_film_on_plastic_darkens_as_its_specification_has_it() {
     let json = plain(
@@ -197,10 +197,8 @@ fn a_film_on_plastic_darkens_as_its_specification_has_it() {
     let scene = Scene::build(scene).expect("builds");
     let estimate = measure(&scene, &options(ortho(Vec3::new(-0.4, -0.3, -0.9), 0.2, 0.022), 24, SAMPLES));
     println!("film on plastic: {:.4?} ± {:.4?}", estimate.mean, estimate.se);
-    let strongest = estimate.mean.iter().copied().fold(0.0, f64::max);
-    // The strongest channel of the mean over angles is the strongest at nearly all angles.
-    assert!((strongest - 1.0).abs() < 5e-3 + 4.0 * estimate.se[0], "{:?}", estimate.mean);
-    assert!(estimate.mean.iter().all(|m| (0.97..1.005).contains(m)), "{:?}", estimate.mean);
+    // At 400 nm and index 1.3 channels are up to 0.03 from the strongest, at no angle all of them.
+    assert!(estimate.mean.iter().all(|m| (0.97..0.995).contains(m)), "{:?}", estimate.mean);
 }
 
 /// KHR_materials_clearcoat dims what shines below the coat by its reflectance, 0.04 + 0.96 (1 − cos θ)⁵: a flat emitter
