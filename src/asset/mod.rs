@@ -24,6 +24,7 @@ pub(crate) mod container;
 pub mod environment;
 mod error;
 mod extensions;
+mod fans;
 mod guard;
 mod image;
 mod input;

@@ -158,6 +158,10 @@ fn meshopt_views_need_no_fallback_and_fall_back_where_there_is_one() {
         assert!(error.pointer().starts_with("/bufferViews/2/extensions"), "{key}: {error}");
         let mut b = meshopt(copy.clone());
         own(&mut b, key, value);
+        let mut required = meshopt(copy.clone());
+        required.json = b.json.clone();
+        required.json["extensionsRequired"] = json!(["EXT_meshopt_compression"]);
+        assert!(load(&required).is_err(), "{key}: the copy is no substitute for what is required");
         match load(&b) {
             Ok(loaded) => {
                 assert_eq!(loaded.scene.meshes[0].triangles, [[1, 2, 0]], "{key}");

@@ -29,8 +29,9 @@ pub struct EmitterId(pub u32);
 
 /// Emission that varies over triangles; implemented by whoever knows textures.
 pub trait EmissionField: Send + Sync {
-    /// Emitted radiance at a point of a triangle, given by the barycentric coordinates of its second and third vertex.
-    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2) -> Vec3;
+    /// Radiance emitted at a point of a triangle, given by the barycentric coordinates of its second and third vertex, in
+    /// directions whose angle with the triangle's normal has that cosine, > 0.
+    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2, cos: f32) -> Vec3;
 }
 
 /// Emitted radiance of a triangle.
@@ -183,13 +184,19 @@ impl Emitter {
                     return None;
                 }
             }
-            let radiance = self.radiance_at(|| self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
+            let radiance =
+                self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
             return Some(EmitterSample { direction, distance, radiance, pdf });
         }
         let barycentrics = warp::uniform_triangle(u);
         let position = v0 + barycentrics.x * (v1 - v0) + barycentrics.y * (v2 - v0);
         let (direction, distance, pdf) = self.area_density(point, position)?;
-        Some(EmitterSample { direction, distance, radiance: self.radiance_at(|| barycentrics), pdf })
+        Some(EmitterSample {
+            direction,
+            distance,
+            radiance: self.radiance_at(direction, || barycentrics),
+            pdf,
+        })
     }
 
     /// Density of [`Self::sample`] with respect to solid angle for the direction to `position`, a point of the emitter.
@@ -221,11 +228,12 @@ impl Emitter {
     }
 
     #[inline]
-    fn radiance_at(&self, barycentrics: impl FnOnce() -> Vec2) -> Vec3 {
+    fn radiance_at(&self, direction: Vec3, barycentrics: impl FnOnce() -> Vec2) -> Vec3 {
         match &self.source.radiance {
             EmissiveRadiance::Constant(radiance) => *radiance,
             EmissiveRadiance::Textured(field) => {
-                field.radiance(self.source.instance, self.source.triangle, barycentrics())
+                let cos = self.normal.dot(direction).abs();
+                field.radiance(self.source.instance, self.source.triangle, barycentrics(), cos)
             }
         }
     }

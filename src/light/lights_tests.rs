@@ -264,8 +264,9 @@ fn pdf_of_all_lights_integrates_to_one() {
 fn textured_emission_is_looked_up_where_the_sample_is() {
     struct Ramp;
     impl EmissionField for Ramp {
-        fn radiance(&self, instance: u32, triangle: u32, b: Vec2) -> Vec3 {
+        fn radiance(&self, instance: u32, triangle: u32, b: Vec2, cos: f32) -> Vec3 {
             assert_eq!((instance, triangle), (2, 5));
+            assert!(cos > 0.0 && cos <= 1.0 + 1e-6, "{cos}");
             Vec3::new(b.x, b.y, 1.0 - b.x - b.y)
         }
     }

@@ -134,6 +134,17 @@ impl BoundaryTables {
     /// The compensation at roughness `alpha` in \[[`MIN_ROUGH_ALPHA`], 1\] (clamped).
     #[inline]
     pub(super) fn at(&self, alpha: f32) -> Compensation<'_> {
+        let slices = self.between(alpha);
+        self.compensation([slices; 2])
+    }
+
+    /// The compensation with a roughness for light from each side, where facets are not of one width.
+    pub(super) fn at_each(&self, alphas: [f32; 2]) -> Compensation<'_> {
+        self.compensation(alphas.map(|alpha| self.between(alpha)))
+    }
+
+    #[inline]
+    fn between(&self, alpha: f32) -> Between<'_> {
         let alpha = alpha.clamp(MIN_ROUGH_ALPHA, 1.0);
         let guess = (position(alpha) * (SLICES - 1) as f32) as usize;
         let mut j = guess.min(SLICES - 2);
@@ -145,12 +156,17 @@ impl BoundaryTables {
         let (low, high) = (self.slice(j), self.slice(j + 1));
         let (from, to) = (self.alphas[j], self.alphas[j + 1]);
         let t = ((alpha - from) / (to - from)).clamp(0.0, 1.0);
-        let mix = |f: &dyn Fn(&Slice) -> f32| f(low) * (1.0 - t) + f(high) * t;
-        let total = [mix(&|s| s.sides[0].total()), mix(&|s| s.sides[1].total())];
-        let exchange = mix(&|s| s.exchange);
+        Between { low, high, t }
+    }
+
+    #[inline]
+    fn compensation<'a>(&self, slices: [Between<'a>; 2]) -> Compensation<'a> {
+        let total = [slices[0].mix(|s| s.sides[0].total()), slices[1].mix(|s| s.sides[1].total())];
+        let feasible = total[0].min(self.eta * self.eta * total[1]);
+        let exchange = slices[0].mix(|s| s.exchange).min(feasible);
         let share = |x: f32, a: f32| (x / a.max(f32::MIN_POSITIVE)).min(1.0);
         let transmitted = [share(exchange, total[0]), share(exchange / (self.eta * self.eta), total[1])];
-        Compensation { low, high, t, total, transmitted }
+        Compensation { slices, total, transmitted }
     }
 }
 
@@ -185,12 +201,25 @@ impl std::fmt::Debug for BoundaryTables {
     }
 }
 
-/// Loss and exchange at one roughness: linear between two slices.
+/// A roughness between those of two slices.
 #[derive(Clone, Copy)]
-pub(super) struct Compensation<'a> {
+struct Between<'a> {
     low: &'a Slice,
     high: &'a Slice,
     t: f32,
+}
+
+impl Between<'_> {
+    #[inline]
+    fn mix(&self, f: impl Fn(&Slice) -> f32) -> f32 {
+        f(self.low) * (1.0 - self.t) + f(self.high) * self.t
+    }
+}
+
+/// Loss and exchange at one roughness, or one for light from each side: linear between two slices.
+#[derive(Clone, Copy)]
+pub(super) struct Compensation<'a> {
+    slices: [Between<'a>; 2],
     /// A_a.
     pub(super) total: [f32; 2],
     /// τ_a: the share of the lost light of side a that leaves on the other side.
@@ -201,25 +230,26 @@ impl Compensation<'_> {
     /// L_a(µ).
     #[inline]
     pub(super) fn loss(&self, side: usize, mu: f32) -> f32 {
-        self.low.sides[side].loss(mu) * (1.0 - self.t) + self.high.sides[side].loss(mu) * self.t
+        self.slices[side].mix(|s| s.sides[side].loss(mu))
     }
 
     /// A cosine on side a with density 2µ L_a(µ)/A_a; `u` in \[0, 1).
     #[inline]
     pub(super) fn sample(&self, side: usize, u: f32) -> f32 {
-        let low = (1.0 - self.t) * self.low.sides[side].total();
-        let high = self.t * self.high.sides[side].total();
+        let slices = &self.slices[side];
+        let low = (1.0 - slices.t) * slices.low.sides[side].total();
+        let high = slices.t * slices.high.sides[side].total();
         let x = u * (low + high);
         if x < low {
-            self.low.sides[side].sample(x / low)
+            slices.low.sides[side].sample(x / low)
         } else {
-            self.high.sides[side].sample(((x - low) / high.max(f32::MIN_POSITIVE)).min(1.0))
+            slices.high.sides[side].sample(((x - low) / high.max(f32::MIN_POSITIVE)).min(1.0))
         }
     }
 }
 
 impl std::fmt::Debug for Compensation<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Compensation").field("t", &self.t).finish_non_exhaustive()
+        f.debug_struct("Compensation").field("total", &self.total).finish_non_exhaustive()
     }
 }

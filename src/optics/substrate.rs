@@ -13,7 +13,7 @@
 //! (Kelemen & Szirmay-Kalos 2001). A diffuse boundary of a denser medium lets out only 1/η² of what it would let in, and
 //! reflects the rest: radiance of equal étendue is exchanged.
 
-use super::anisotropic::Facets;
+use super::anisotropic::{self, Facets};
 use super::base::Spread;
 use super::boundary::Microfacet;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
@@ -108,7 +108,7 @@ impl Substrate {
     }
 
     fn of(i: Ingredients) -> Self {
-        let reflection = Reflection::at(i.facets.mean_width());
+        let reflection = Reflection::at(i.facets.mean_width(anisotropic::REFLECTED));
         let zero = Vec3::ZERO;
         let mut s = Self { i, reflection, metal_again: zero, coat_again: zero, entering: 1.0 };
         if s.multiple() {
@@ -148,7 +148,11 @@ impl Substrate {
         let color =
             self.i.metallic * self.i.metal.average() + dielectric * (opaque + self.i.dielectric.average());
         let lambertian = dielectric * opaque.max_element().min(1.0);
-        Spread { lambertian, alpha: self.i.facets.mean_width(), color: color.min(Vec3::ONE) }
+        Spread {
+            lambertian,
+            alpha: self.i.facets.mean_width(anisotropic::REFLECTED),
+            color: color.min(Vec3::ONE),
+        }
     }
 
     fn coat_albedo(&self, d: Directional) -> f32 {

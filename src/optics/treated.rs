@@ -11,7 +11,7 @@
 //! the facet alone, whichever side the light comes from, so the boundary is reciprocal, and what is not reflected crosses.
 //! Light lost by masking comes back by the tables of the bare boundary (`docs/boundary.md` §5), weighed as they are: exact where F' = F.
 
-use super::anisotropic::Facets;
+use super::anisotropic::{self, Facets};
 use super::boundary::{MATCHED_INDEX, Microfacet, lost_energy, sample_lost};
 use super::boundary_tables::{self, BoundaryTables, Compensation, MIN_ROUGH_ALPHA};
 use super::fresnel::{self, Interface};
@@ -44,10 +44,10 @@ impl TreatedBoundary {
     /// A boundary of index `eta` (at z < 0 over z > 0). `specular` and `color` are those of KHR_materials_specular, `tint`
     /// multiplies light at each crossing.
     pub fn new(eta: f32, facets: Facets, microfacet: Microfacet, tint: Vec3) -> Self {
-        let alpha = facets.mean_width();
         let rough = facets.alpha.max_element() >= MIN_ROUGH_ALPHA && (eta - 1.0).abs() > MATCHED_INDEX;
         let compensation = (rough && microfacet == Microfacet::Multiple).then(|| {
-            (BoundaryTables::get(eta).at(alpha.max(MIN_ROUGH_ALPHA)), boundary_tables::correlation(eta))
+            let widths = anisotropic::BOUNDARY.map(|p| facets.mean_width(p));
+            (BoundaryTables::get(eta).at_each(widths), boundary_tables::correlation(eta))
         });
         let f0 = Vec3::splat(fresnel::f0_from_eta(eta));
         Self { eta, facets, tint, strength: 1.0, f0, film: None, compensation }
@@ -84,7 +84,7 @@ impl TreatedBoundary {
 
     /// The width that stands for those of its facets.
     pub(super) fn alpha(&self) -> f32 {
-        self.facets.mean_width()
+        self.facets.mean_width(anisotropic::REFLECTED)
     }
 
     /// Whether every sample is a delta.

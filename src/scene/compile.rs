@@ -157,15 +157,6 @@ impl Scene {
         texture::sample(&self.description, texture, uv)
     }
 
-    /// Radiance that a surface emits to its front.
-    pub fn emission(&self, surface: &Surface) -> Vec3 {
-        let material = self.material(surface.material);
-        match &material.emission_texture {
-            Some(t) => material.emission * surface.color_texture(self, t, material.alpha_mode).truncate(),
-            None => material.emission,
-        }
-    }
-
     fn emissive_triangles(&self) -> Vec<EmissiveTriangle> {
         let mut emitters = Vec::new();
         for instance in 0..self.description.instances.len() as u32 {
@@ -198,7 +189,8 @@ impl Scene {
             for i in 0..STEPS {
                 for j in 0..STEPS - i {
                     let (u, v) = ((i as f32 + 0.33) / STEPS as f32, (j as f32 + 0.33) / STEPS as f32);
-                    sum += self.emission(&corner(u, v));
+                    let point = corner(u, v);
+                    sum += self.emission(&point, point.geometric_normal);
                 }
             }
             // A texture may be dark at every probe and bright between them: a floor keeps it reachable.

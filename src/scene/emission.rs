@@ -1,14 +1,21 @@
-//! Emission that varies over a triangle, for sampling lights: textures, and the coverage of alpha.
+//! Emission that varies over a triangle, for sampling lights: textures, the coverage of alpha, and a clear coat.
+//!
+//! KHR_materials_clearcoat lies on top of the emission and dims it by what it reflects, 1 − c (0.04 + 0.96 (1 − |cos θ|)⁵).
+//! θ is the angle with the triangle's normal, so that whoever finds the light, by sampling it or by chance, finds the same.
 //!
 //! A ray that finds an emitter by chance passes where it is not covered, so light sampling multiplies by the coverage;
-//! [`super::Scene::emission`] does not.
+//! [`Scene::emission`] does not.
 
 use super::texture;
-use super::{AlphaMode, MaterialDescription, MeshDescription, SceneDescription, TextureRef};
+use super::{AlphaMode, MaterialDescription, MeshDescription, Scene, SceneDescription, Surface, TextureRef};
 use crate::light::EmissionField;
+use crate::optics::fresnel;
 use glam::{Vec2, Vec3};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
+
+/// Reflectance of a coat at normal incidence.
+const F0: f32 = 0.04;
 
 /// The emission of a scene's triangles.
 pub(super) struct SceneEmission(pub Arc<SceneDescription>);
@@ -16,12 +23,35 @@ pub(super) struct SceneEmission(pub Arc<SceneDescription>);
 impl SceneEmission {
     /// Whether the emission of a material varies over its triangles.
     pub fn varies(material: &MaterialDescription) -> bool {
-        material.emission_texture.is_some() || material.alpha_mode != AlphaMode::Opaque
+        material.emission_texture.is_some()
+            || material.alpha_mode != AlphaMode::Opaque
+            || material.layers.as_ref().is_some_and(|l| l.clearcoat.is_some())
+    }
+}
+
+/// What a coat of that strength lets pass at a cosine.
+fn passed(strength: f32, cos: f32) -> f32 {
+    1.0 - strength.clamp(0.0, 1.0) * (F0 + (1.0 - F0) * fresnel::schlick_weight(cos))
+}
+
+impl Scene {
+    /// Radiance that a surface emits to its front, towards the unit vector `direction`.
+    pub fn emission(&self, surface: &Surface, direction: Vec3) -> Vec3 {
+        let material = self.material(surface.material);
+        let mut emission = material.emission;
+        if let Some(t) = &material.emission_texture {
+            emission *= surface.color_texture(self, t, material.alpha_mode).truncate();
+        }
+        if let Some(coat) = material.layers.as_ref().and_then(|l| l.clearcoat.as_ref()) {
+            let strength = coat.factor * coat.texture.as_ref().map_or(1.0, |t| surface.texture(self, t).x);
+            emission *= passed(strength, surface.geometric_normal.dot(direction).abs());
+        }
+        emission
     }
 }
 
 impl EmissionField for SceneEmission {
-    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2) -> Vec3 {
+    fn radiance(&self, instance: u32, triangle: u32, barycentrics: Vec2, cos: f32) -> Vec3 {
         let scene = &*self.0;
         let mesh = &scene.meshes[scene.instances[instance as usize].mesh];
         let Some(material) = scene.materials.get(mesh.triangle_materials[triangle as usize] as usize) else {
@@ -31,6 +61,10 @@ impl EmissionField for SceneEmission {
         let mut emission = material.emission;
         if let Some(t) = &material.emission_texture {
             emission *= texture::sample(scene, t, point.uv(t)).truncate();
+        }
+        if let Some(coat) = material.layers.as_ref().and_then(|l| l.clearcoat.as_ref()) {
+            let texel = |t: &TextureRef| texture::sample(scene, t, point.uv(t)).x;
+            emission *= passed(coat.factor * coat.texture.as_ref().map_or(1.0, texel), cos);
         }
         emission * point.coverage(scene, material)
     }

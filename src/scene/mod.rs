@@ -10,6 +10,7 @@ pub mod description;
 mod emission;
 mod footprint;
 mod ground;
+mod image;
 mod layering;
 pub mod layers;
 mod material;

@@ -102,26 +102,27 @@ impl Surface {
     }
 
     /// The shading normal bent by the material's normal map, on the side of the geometric normal.
+    ///
+    /// Normal maps are baked for vectors that are interpolated and used as they are, neither normalized nor made
+    /// perpendicular (MikkTSpace: n = normalize(x t + y w n × t + z n), in the space of the mesh). On coarse meshes anything
+    /// else bends reflections visibly.
     pub fn mapped_normal(&self, scene: &Scene, texture: &TextureRef, scale: f32) -> Vec3 {
         let mesh = scene.mesh(self.instance);
-        if mesh.tangents.is_empty() {
+        if mesh.tangents.is_empty() || mesh.normals.is_empty() {
             return self.normal;
         }
-        let tangent = self.interpolate(mesh.triangles[self.triangle as usize], &mesh.tangents, |t| *t);
-        let world = scene.description.instances[self.instance as usize]
-            .transform
-            .transform_vector3(tangent.truncate());
-        let tangent_world = (world - self.normal * self.normal.dot(world)).normalize_or_zero();
-        if tangent_world == Vec3::ZERO {
+        let triangle = mesh.triangles[self.triangle as usize];
+        let tangent = self.interpolate(triangle, &mesh.tangents, |t| *t);
+        let normal = self.interpolate(triangle, &mesh.normals, |n| *n);
+        let (along, sign) = (tangent.truncate(), if tangent.w < 0.0 { -1.0 } else { 1.0 });
+        if along.reject_from(normal) == Vec3::ZERO {
             return self.normal;
         }
-        let mirrored = if scene.mirrored[self.instance as usize] { -1.0 } else { 1.0 };
-        let sign = if tangent.w < 0.0 { -mirrored } else { mirrored };
-        let bitangent = self.normal.cross(tangent_world) * sign;
         let texel = self.texture(scene, texture).truncate() * 2.0 - Vec3::ONE;
-        let mapped =
-            tangent_world * (texel.x * scale) + bitangent * (texel.y * scale) + self.normal * texel.z;
-        keep_side(mapped.normalize_or(self.normal), self.geometric_normal)
+        let across = normal.cross(along) * sign;
+        let mapped = along * (texel.x * scale) + across * (texel.y * scale) + normal * texel.z;
+        let world = scene.normal_matrices[self.instance as usize] * mapped;
+        keep_side(world.normalize_or(self.normal), self.geometric_normal)
     }
 }
 

@@ -41,6 +41,7 @@ impl PathTracer<'_> {
                 .weigh_chance();
         // Where lights were sampled, too, both techniques must find the same light.
         let footprint = if v.connected { 0.0 } else { surface.footprint };
-        path.head.throughput * self.scene.emission(&Surface { footprint, ..*surface }) * weight
+        let emission = self.scene.emission(&Surface { footprint, ..*surface }, -path.head.direction);
+        path.head.throughput * emission * weight
     }
 }

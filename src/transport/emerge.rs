@@ -64,7 +64,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 }
                 let id = scene.lights.emitter_id(hit.instance, hit.triangle);
                 let pdf = |id| scene.lights.emitter_pdf_at(id, from, &shaded.anchor, surface.position);
-                (scene.emission(&surface), id.map_or(0.0, pdf))
+                (scene.emission(&surface, -direction), id.map_or(0.0, pdf))
             }
         };
         if delta {

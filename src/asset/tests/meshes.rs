@@ -170,9 +170,10 @@ fn tangents_are_made_where_a_normal_map_needs_them() {
     primitive(&mut b)["attributes"]["NORMAL"] = json!(normal);
     let loaded = b.loaded();
     assert!(loaded.scene.materials[0].normal_texture.is_some(), "{:?}", loaded.diagnostics);
-    // u grows along +Y and v along +X, so the tangent is +Y; cross(N, T) w = +X needs w = -1.
+    // u grows along +Y, so the tangent is +Y; v grows along +X, so what is up in the picture, and green in the map, is -X:
+    // cross(N, T) w = -X needs w = 1.
     for tangent in &loaded.scene.meshes[0].tangents {
-        assert!((*tangent - Vec4::new(0.0, 1.0, 0.0, -1.0)).length() < 1e-6, "{tangent}");
+        assert!((*tangent - Vec4::new(0.0, 1.0, 0.0, 1.0)).length() < 1e-6, "{tangent}");
     }
     b.json["materials"] = json!([{}]);
     assert!(b.loaded().scene.meshes[0].tangents.is_empty());
