@@ -18,6 +18,7 @@
 pub mod asset;
 pub mod author;
 pub mod cli;
+pub mod conformance;
 pub mod extension;
 pub mod film;
 pub mod geometry;
