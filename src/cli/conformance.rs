@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Where the suite is, in a checkout.
 const DEFAULT_FOLDER: &str = "samples/conformance";
-/// Samples of a reference over those of its case: an eighth of the noise.
-const REFERENCE_FACTOR: f64 = 64.0;
+/// Samples of a reference over those of its case: a quarter of the noise.
+const REFERENCE_FACTOR: f64 = 16.0;
 /// Parts of the bar that stand for one case.
 const STEPS: u64 = 1000;
 /// Cases that a message names.

@@ -71,7 +71,7 @@ pub(super) struct ConformanceArgs {
     #[arg(long, value_name = "MODEL", default_value = "multiple", value_parser = microfacet)]
     pub microfacet: Microfacet,
 
-    /// Instead of running the cases, render the references of those that have one, with 64 times their samples
+    /// Instead of running the cases, render the references of those that have one, with 16 times their samples
     #[arg(long, conflicts_with_all = ["renderer", "report", "junit", "json"])]
     pub update_references: bool,
 

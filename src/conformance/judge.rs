@@ -10,8 +10,9 @@ use super::Estimate;
 pub const CONFIDENCE: f64 = 3.0;
 /// The error, relative to what is expected, that must not pass.
 pub const POWER: f64 = 0.02;
-/// Relative standard error below which z scores are not trusted: single precision.
-const ROUNDING: f64 = 1e-6;
+/// Relative standard error below which z scores are not trusted: half of a half float's last place, since that is what
+/// pictures are written in.
+const ROUNDING: f64 = 1.0 / 4096.0;
 
 /// What came of an expectation or a case; later ones are worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

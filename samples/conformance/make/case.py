@@ -112,8 +112,11 @@ class Case:
     def readme(self):
         lines = [f"# {self.title}", "", self.text.strip(), "", "## Expected", ""]
         if self.expects[0].mean is None:
-            lines += ["The picture of the random walk, `reference.exr`: the mean of each region in `expect.toml`, and every "
-                      "pixel within its noise.", ""]
+            lines += ["The converged random walk of nephrite, `reference.exr`: the means of these regions and their standard "
+                      "errors are in `reference.toml`.", ""]
+            for e in self.expects:
+                lines.append(f"- {e.name}" + (f": {e.region[2]} × {e.region[3]} pixels at ({e.region[0]}, {e.region[1]})" if e.region else ""))
+            lines.append("")
         else:
             lines += ["| Where | Red | Green | Blue | Tolerance | Source |", "| --- | --- | --- | --- | --- | --- |"]
             for e in self.expects:
