@@ -7,10 +7,10 @@
 use super::{Estimate, Expectation};
 use std::f64::consts::PI;
 
-/// A symptom is recognised within this part of its value: simulated ones are known to one per cent, and a real renderer
+/// A symptom is recognized within this part of its value: simulated ones are known to one per cent, and a real renderer
 /// has noise of its own.
-const RECOGNISED: f64 = 0.03;
-/// A factor is recognised within this part of it.
+const RECOGNIZED: f64 = 0.03;
+/// A factor is recognized within this part of it.
 const FACTOR: f64 = 0.015;
 
 /// A guess, in words.
@@ -18,7 +18,7 @@ const FACTOR: f64 = 0.015;
 pub struct Diagnosis {
     /// The mistake.
     pub says: String,
-    /// Distance from what that mistake would show, in parts of what is recognised: 0 is exactly that, 1 hardly.
+    /// Distance from what that mistake would show, in parts of what is recognized: 0 is exactly that, 1 hardly.
     pub distance: f64,
 }
 
@@ -33,7 +33,7 @@ pub fn diagnose(measured: &Estimate, expected: [f64; 3], expectation: &Expectati
     let near = |mean: [f64; 3]| {
         (0..3)
             .map(|c| {
-                let room = RECOGNISED * mean[c].abs().max(0.05 * bright) + 3.0 * error[c];
+                let room = RECOGNIZED * mean[c].abs().max(0.05 * bright) + 3.0 * error[c];
                 (seen[c] - mean[c]).abs() / room
             })
             .fold(0.0, f64::max)
@@ -62,7 +62,7 @@ fn swapped([r, g, b]: [f64; 3]) -> Vec<([f64; 3], &'static str)> {
         ([g, b, r], "channels are rotated: each shows the next one"),
         ([b, r, g], "channels are rotated: each shows the one before"),
     ];
-    let differs = |a: f64, b: f64| (a - b).abs() > 2.0 * RECOGNISED * a.abs().max(b.abs());
+    let differs = |a: f64, b: f64| (a - b).abs() > 2.0 * RECOGNIZED * a.abs().max(b.abs());
     let all = [r, g, b];
     orders.into_iter().filter(|(o, _)| (0..3).any(|c| differs(o[c], all[c]))).collect()
 }
@@ -126,13 +126,13 @@ mod tests {
     }
 
     #[test]
-    fn symptoms_are_recognised_and_nothing_else_is_said() {
+    fn symptoms_are_recognized_and_nothing_else_is_said() {
         assert_eq!(guess([0.102, 0.495, 0.71]), ["a mistake"]);
         assert!(guess([0.11, 0.495, 0.71]).is_empty());
     }
 
     #[test]
-    fn channels_and_factors_are_recognised() {
+    fn channels_and_factors_are_recognized() {
         assert_eq!(guess([0.6, 0.4, 0.2]), ["red and blue are swapped"]);
         assert!(guess(EXPECTED.map(|v| v * PI))[0].contains("probably π"));
         assert!(guess(EXPECTED.map(|v| v * 1.2))[0].contains("1.200"));

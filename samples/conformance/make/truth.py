@@ -12,7 +12,7 @@ TABLES = json.loads((pathlib.Path(__file__).parent / "tables.json").read_text())
 
 
 def fresnel(cos_i, n):
-    """Reflectance for unpolarised light that comes from index 1 at that cosine to index n."""
+    """Reflectance for unpolarized light that comes from index 1 at that cosine to index n."""
     cos_t = np.sqrt(1 - (1 - cos_i**2) / n**2)
     s = (cos_i - n * cos_t) / (cos_i + n * cos_t)
     p = (n * cos_i - cos_t) / (n * cos_i + cos_t)

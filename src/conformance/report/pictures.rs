@@ -12,7 +12,7 @@ pub(super) struct Shown {
     pub rendered: String,
     pub expected: String,
     pub difference: String,
-    /// The difference of luminance that has the full colour.
+    /// The difference of luminance that has the full color.
     pub full_scale: f32,
     /// Radiance that is shown as white.
     pub white: f32,

@@ -9,7 +9,7 @@ const LEFT: f64 = 52.0;
 const BOTTOM: f64 = 40.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 26.0;
-/// Colours of the channels.
+/// Colors of the channels.
 const COLORS: [&str; 3] = ["#c0392b", "#1e8449", "#2455a4"];
 /// Where the values of one sweep span more than this factor, its axis is logarithmic.
 const DECADES: f64 = 8.0;
