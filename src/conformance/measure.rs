@@ -31,7 +31,7 @@ pub fn measure(batches: &[Film], region: Region) -> Estimate {
                 };
                 let sum: f64 = values().sum();
                 let own = sum / batches.len().max(1) as f64;
-                mean[c] += sum / count;
+                mean[c] += sum;
                 squares[c] += values().map(|v| (v - own) * (v - own)).sum::<f64>();
             }
         }
@@ -40,7 +40,7 @@ pub fn measure(batches: &[Film], region: Region) -> Estimate {
         let (b, pixels) = (batches.len() as f64, (w * h) as f64);
         squares.map(|s| (s / ((b - 1.0) * b)).sqrt() / pixels)
     });
-    Estimate { mean, standard_error }
+    Estimate { mean: mean.map(|sum| sum / count), standard_error }
 }
 
 #[cfg(test)]
