@@ -76,7 +76,7 @@ def scatterings():
         yield scattering(f"anisotropy-{name}", f"Anisotropy {g:g}", ["scattering", "anisotropy"],
                          f"A slab of index 1, so that nothing but the phase function matters: Henyey–Greenstein with g = {g:g} between "
                          "directions of travel. The channels are optical thicknesses 8, 8 and 32 of albedo 0.99, 1 and 0.99.",
-                         [8, 8, 32], [0.99, 1.0, 0.99], g, 1.0, spp=2048 if g == 0.9 else 1024,
+                         [8, 8, 32], [0.99, 1.0, 0.99], g, 1.0, spp=1536 if g == 0.9 else 1024,
                          sweep=("anisotropy", "anisotropy g", [g]))
     yield scattering("anisotropy-passed", "Anisotropy 0.9, transmitted", ["scattering", "anisotropy", "area light"],
                      "What passes through a slab of index 1.33 that scatters forward; a plate of radiance 1 shines from below.",
