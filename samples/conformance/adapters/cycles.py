@@ -11,11 +11,14 @@ import argparse
 import os
 import sys
 
+# This file has the name of Blender's own module; without its folder on the path that one is found.
+here = os.path.dirname(os.path.abspath(__file__))
+sys.path = [p for p in sys.path if os.path.abspath(p or ".") != here]
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(here)
 import gltf
 
 MOST_BOUNCES = 1024
