@@ -22,8 +22,8 @@ sys.path.append(here)
 import gltf
 
 MOST_BOUNCES = 1024
-# Radiant flux of a point light is 4π I; Blender's point and spot lights have I = P/(4π²), so that P = 4π² I.
-POINT_WATTS = 4 * np.pi**2
+# Blender's point and spot lights of P watts have an intensity of P/(4π).
+POINT_WATTS = 4 * np.pi
 # glTF has y up, Blender z.
 TO_BLENDER = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)
 
