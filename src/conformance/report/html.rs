@@ -45,7 +45,7 @@ fn head(out: &mut String, about: &About, outcomes: &[Outcome]) {
              <span class=\"muted\">{:.1} s; suite {}; samples × {}; seed {}; measured by nephrite {}.</span></p>\n",
             about.seconds,
             escape(&about.suite),
-            about.spp_scale,
+            about.spp_scale as f32,
             about.seed,
             env!("CARGO_PKG_VERSION")
         ),
