@@ -4,6 +4,8 @@
 mod animation;
 #[path = "cli/compare_models.rs"]
 mod compare_models;
+#[path = "cli/conformance.rs"]
+mod conformance;
 #[path = "cli/convert.rs"]
 mod convert;
 #[path = "cli/edit.rs"]

@@ -3,6 +3,7 @@
 
 use super::animation::{PlayArgs, shutter};
 use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
+use super::conformance_args::ConformanceArgs;
 use super::pipeline::{Cosines, Microfacet};
 use super::values::*;
 use crate::film::ToneMap;
@@ -35,6 +36,8 @@ pub(super) enum Command {
     Presets(PresetsArgs),
     /// Check the media of a glTF file
     Validate(ValidateArgs),
+    /// Check that nephrite, or another renderer, shows what is known to be right
+    Conformance(Box<ConformanceArgs>),
 }
 
 /// What every command that reads a glTF file has to know of it.

@@ -17,6 +17,8 @@ mod author_args;
 mod author_values;
 mod authored;
 mod compare;
+mod conformance;
+mod conformance_args;
 mod convert;
 mod edit;
 mod inspect;
@@ -82,6 +84,7 @@ pub fn main() -> ExitCode {
         args::Command::Convert(args) => convert::run(&args),
         args::Command::Presets(args) => presets::run(args),
         args::Command::Validate(args) => validate::run(&args),
+        args::Command::Conformance(args) => conformance::run_suite(*args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

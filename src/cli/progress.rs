@@ -46,6 +46,11 @@ impl Progress {
         Part { progress: self, before, total }
     }
 
+    /// Prints a line to standard output, above the bar if there is one.
+    pub fn print(&self, line: &str) {
+        self.bar.suspend(|| println!("{line}"));
+    }
+
     /// Removes whatever is shown.
     pub fn clear(&self) {
         self.bar.finish_and_clear();

@@ -21,6 +21,7 @@ use super::WriteError;
 use super::atomic::write_atomically;
 use super::tonemap::encode_srgb;
 use glam::Vec3;
+use std::io::Write;
 use std::path::Path;
 
 /// Pixels in the largest figure that is drawn.
@@ -150,22 +151,31 @@ impl Picture {
 
     /// Writes a PNG with an `sRGB` chunk and `attributes` as text, complete or not at all.
     pub fn write_png(&self, path: &Path, attributes: &[(String, String)]) -> Result<(), WriteError> {
+        write_atomically(path, |out| self.encode(out, attributes))
+    }
+
+    /// The bytes of such a PNG.
+    pub fn encode_png(&self, attributes: &[(String, String)]) -> Result<Vec<u8>, WriteError> {
+        let mut bytes = Vec::new();
+        self.encode(&mut bytes, attributes)?;
+        Ok(bytes)
+    }
+
+    fn encode(&self, out: &mut dyn Write, attributes: &[(String, String)]) -> Result<(), WriteError> {
         let failed = |e: png::EncodingError| match e {
             png::EncodingError::IoError(e) => WriteError::Io(e),
             e => WriteError::Encoding(e.to_string()),
         };
-        write_atomically(path, |out| {
-            let mut encoder = png::Encoder::new(out, self.width, self.height);
-            encoder.set_color(png::ColorType::Rgb);
-            encoder.set_depth(png::BitDepth::Eight);
-            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-            for (name, value) in attributes {
-                encoder.add_itxt_chunk(name.clone(), value.clone()).map_err(failed)?;
-            }
-            let mut writer = encoder.write_header().map_err(failed)?;
-            writer.write_image_data(&self.rgb).map_err(failed)?;
-            writer.finish().map_err(failed)
-        })
+        let mut encoder = png::Encoder::new(out, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        for (name, value) in attributes {
+            encoder.add_itxt_chunk(name.clone(), value.clone()).map_err(failed)?;
+        }
+        let mut writer = encoder.write_header().map_err(failed)?;
+        writer.write_image_data(&self.rgb).map_err(failed)?;
+        writer.finish().map_err(failed)
     }
 }
 
