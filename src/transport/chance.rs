@@ -13,7 +13,7 @@ impl PathTracer<'_> {
         let v = &path.vertex;
         let direction = path.head.direction;
         let (light, chance) = if v.connected {
-            (self.scene.lights.environment_pdf_at(&v.anchor, direction), v.pdf)
+            (v.lights * self.scene.lights.environment_pdf_at(&v.anchor, direction), v.pdf)
         } else {
             (0.0, 1.0)
         };
@@ -33,7 +33,10 @@ impl PathTracer<'_> {
         let v = &path.vertex;
         let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
         let (light, chance) = match id.filter(|_| v.connected) {
-            Some(id) => (self.scene.lights.emitter_pdf_at(id, v.point, &v.anchor, surface.position), v.pdf),
+            Some(id) => {
+                let pdf = self.scene.lights.emitter_pdf_at(id, v.point, &v.anchor, surface.position);
+                (v.lights * pdf, v.pdf)
+            }
             None => (0.0, 1.0),
         };
         let weight =

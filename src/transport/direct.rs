@@ -31,6 +31,8 @@ pub(super) struct Shaded<'a> {
     pub enclosure: Option<Enclosure>,
     /// For choosing lights.
     pub anchor: Anchor,
+    /// How many are chosen.
+    pub lights: u32,
     /// Whether light can come from the inside of the boundary.
     pub lit_inside: bool,
     /// How the vertex was reached, and how much likelier it was the other way.
@@ -85,6 +87,21 @@ impl Shaded<'_> {
 }
 
 impl PathTracer<'_> {
+    /// Light from as many sampled lights as are to be, scattered at a surface towards the previous vertex.
+    pub(super) fn direct(&self, s: &Shaded<'_>, stack: &MediumStack, sampler: &mut Sampler) -> Vec3 {
+        if s.lights == 1 {
+            return self.direct_surface(s, stack, None, sampler);
+        }
+        let select = sampler.next_1d();
+        let mut sum = Vec3::ZERO;
+        for i in 0..s.lights {
+            let select = (select + i as f32 / s.lights as f32).fract();
+            let numbers = LightNumbers { select, point: sampler.next_2d() };
+            sum += self.direct_surface(s, stack, Some(numbers), sampler);
+        }
+        sum / s.lights as f32
+    }
+
     /// Light from one sampled light, scattered at a surface towards the previous vertex; with the given numbers, or new
     /// ones.
     pub(super) fn direct_surface(
@@ -119,7 +136,7 @@ impl PathTracer<'_> {
         }
         let by_chance = if light.delta { 0.0 } else { pdf };
         let aimed = self.resolved(s.reached.aimed, light.direction);
-        let techniques = Techniques::new(&aimed, light.direction, light.pdf, by_chance);
+        let techniques = Techniques::new(&aimed, light.direction, s.lights as f32 * light.pdf, by_chance);
         let weight = if s.reached.by_aiming { techniques.weigh_aimed() } else { techniques.weigh_light() };
         let contribution = f * light.radiance * (weight / light.pdf);
         if contribution.max_element() <= 0.0 {

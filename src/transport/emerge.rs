@@ -103,6 +103,7 @@ impl Connector for FlightLights<'_, '_> {
             anchor: Anchor { point, normal: None },
             pdf,
             connected: true,
+            lights: 1.0,
             aimed: Aimed::default(),
         });
     }
@@ -194,6 +195,7 @@ impl Connector for FlightLights<'_, '_> {
             front: false,
             enclosure: Some(enclosure),
             anchor: Shaded::NOWHERE,
+            lights: 1,
             lit_inside: false,
             reached: Reached { aimed, by_aiming: true },
             matched: false,

@@ -21,6 +21,9 @@ const ROULETTE_AFTER: u32 = 3;
 /// Below this throughput a path at a surface plays Russian roulette.
 const ROULETTE_BELOW: f32 = 0.5;
 
+/// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
+const LIGHTS_AT_EXITS: u32 = 3;
+
 /// Follows paths through a scene; one for each thread.
 pub(super) struct PathTracer<'a> {
     pub scene: &'a Scene,
@@ -257,6 +260,7 @@ impl PathTracer<'_> {
             front,
             enclosure,
             anchor: Shaded::NOWHERE,
+            lights: 1,
             lit_inside,
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
@@ -281,6 +285,7 @@ impl PathTracer<'_> {
             front: true,
             enclosure: None,
             anchor: Shaded::NOWHERE,
+            lights: LIGHTS_AT_EXITS,
             lit_inside: false,
             reached: Reached::default(),
             matched: false,
@@ -302,7 +307,7 @@ impl PathTracer<'_> {
         shaded.orient(-path.head.direction, normal, see_through);
         let connected = !shaded.bsdf.is_delta();
         if connected {
-            *radiance += path.head.throughput * self.direct_surface(&shaded, &path.stack, None, sampler);
+            *radiance += path.head.throughput * self.direct(&shaded, &path.stack, sampler);
         }
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
@@ -357,6 +362,7 @@ impl PathTracer<'_> {
                 anchor: shaded.anchor,
                 pdf: sample.pdf,
                 connected: weighed,
+                lights: shaded.lights as f32,
                 aimed,
             };
         }

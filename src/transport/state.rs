@@ -18,6 +18,8 @@ pub(super) struct Vertex {
     pub pdf: f32,
     /// Whether lights were also sampled there (otherwise what is hit by chance counts in full).
     pub connected: bool,
+    /// How many were.
+    pub lights: f32,
     /// As [`PathHead::aimed`], for light found directly from here.
     pub aimed: Aimed,
 }
@@ -25,7 +27,14 @@ pub(super) struct Vertex {
 impl Vertex {
     /// A point from which no lights were sampled.
     pub fn unconnected(point: Vec3) -> Self {
-        Self { point, anchor: Shaded::NOWHERE, pdf: 1.0, connected: false, aimed: Aimed::default() }
+        Self {
+            point,
+            anchor: Shaded::NOWHERE,
+            pdf: 1.0,
+            connected: false,
+            lights: 1.0,
+            aimed: Aimed::default(),
+        }
     }
 }
 
