@@ -140,7 +140,7 @@ const PNG: &[u8] = &[
 /// to every other form and back, and holds it against the schema. Whether it could be read.
 pub fn extensions(bytes: &[u8]) -> bool {
     let Ok(material) = serde_json::from_slice::<Value>(bytes) else { return false };
-    let read = material.is_object() && load(&square(&material)).is_some_and(|loaded| show(loaded));
+    let read = material.is_object() && load(&square(&material)).is_some_and(show);
     if let Ok(text) = std::str::from_utf8(bytes) {
         converted(&material, text);
     }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 use serde_json::{Value, json};
 
-use super::{bodies, bounded};
+use super::{bounded, fuzzing};
 
 /// Documents that are tried.
 const CASES: u32 = 512;
@@ -79,12 +79,12 @@ fn material() -> impl Strategy<Value = Value> {
         ("doubleSided", any::<bool>().prop_map(|b| json!(b)).boxed()),
     ]);
     (seed, 0..4_usize, surface, rest).prop_map(|(seed, extensions, surface, mut material)| {
-        let mut random = bodies::mutate::Random(seed);
+        let mut random = fuzzing::mutate::Random(seed);
         material["pbrMetallicRoughness"] = surface;
         for _ in 0..extensions {
-            let (name, mut own) = bodies::dictionary::material_extension(&mut random);
+            let (name, mut own) = fuzzing::dictionary::material_extension(&mut random);
             if random.once_in(4) {
-                bodies::mutate::some_changes(&mut own, &mut random);
+                fuzzing::mutate::some_changes(&mut own, &mut random);
             }
             material["extensions"][name] = own;
         }
@@ -172,7 +172,7 @@ fn document() -> impl Strategy<Value = (Value, Vec<u8>)> {
                 "bufferViews": [{"buffer": 0, "byteLength": 256}, {"buffer": 0, "byteOffset": 256, "byteLength": 64},
                     {"buffer": 0, "byteOffset": 128, "byteLength": 128, "byteStride": 16}],
                 "cameras": [{"type": "perspective", "perspective": {"yfov": outer, "znear": 0.1, "aspectRatio": inner}}],
-                "skins": [{"joints": [0]}], "images": [{"uri": bodies::bodies::image()}], "textures": [{"source": 0}],
+                "skins": [{"joints": [0]}], "images": [{"uri": fuzzing::bodies::image()}], "textures": [{"source": 0}],
                 "animations": [{"channels": [{"sampler": 0, "target": {"node": 0,
                     "path": path}}],
                     "samplers": [{"input": input, "output": output,
@@ -202,8 +202,8 @@ fn generated_documents_load_or_err() {
     });
     let read = std::cell::Cell::new(0);
     let result = runner.run(&document(), |(document, bin)| {
-        let file = bodies::mutate::glb(document.to_string().into_bytes(), &bin);
-        read.set(read.get() + u32::from(bounded("a generated document", || bodies::loader(&file))));
+        let file = fuzzing::mutate::glb(document.to_string().into_bytes(), &bin);
+        read.set(read.get() + u32::from(bounded("a generated document", || fuzzing::loader(&file))));
         Ok(())
     });
     result.unwrap_or_else(|failure| panic!("{failure}"));

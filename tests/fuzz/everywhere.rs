@@ -5,7 +5,7 @@ use std::path::Path;
 use nephrite::asset::{Asset, LoadOptions, Moment};
 use serde_json::{Value, json};
 
-use super::{bodies, bounded, corpus};
+use super::{bounded, corpus, fuzzing};
 
 fn pointers(value: &Value, here: String, all: &mut Vec<String>) {
     match value {
@@ -48,7 +48,7 @@ fn any_value_anywhere_ends_well() {
             let mut json = good.clone();
             *json.pointer_mut(pointer).expect("it is there") = value.clone();
             let bytes = json.to_string().into_bytes();
-            bounded(pointer, || bodies::loader(&bytes));
+            bounded(pointer, || fuzzing::loader(&bytes));
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The bodies of the fuzz targets (`fuzz/`) over their corpus and over mutations of it, and documents that are generated
 //! from scratch: each loads or errs, soon, in little memory, without a panic.
 
-#[path = "../../fuzz/src/lib.rs"]
-#[allow(dead_code, reason = "libFuzzer's side is used by the targets only")]
-mod bodies;
 mod documents;
 mod everywhere;
+#[path = "../../fuzz/src/lib.rs"]
+#[allow(dead_code, reason = "libFuzzer's side is used by the targets only")]
+mod fuzzing;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -80,15 +80,15 @@ fn smoke(
 
 #[test]
 fn mutated_files_end_well() {
-    smoke("loader", bodies::loader, bodies::mutate::loader, 3_000, 0.15);
+    smoke("loader", fuzzing::loader, fuzzing::mutate::loader, 3_000, 0.15);
 }
 
 #[test]
 fn mutated_materials_end_well() {
-    smoke("extensions", bodies::extensions, bodies::mutate::extensions, 4_000, 0.2);
+    smoke("extensions", fuzzing::extensions, fuzzing::mutate::extensions, 4_000, 0.2);
 }
 
 #[test]
 fn mutated_payloads_end_well() {
-    smoke("payloads", bodies::payloads, bodies::mutate::payloads, 10_000, 0.3);
+    smoke("payloads", fuzzing::payloads, fuzzing::mutate::payloads, 10_000, 0.3);
 }
