@@ -1,4 +1,4 @@
-//! What a run found: as a page for people ([`html`]), for continuous integration ([`junit`]), and for programs ([`json`]).
+//! What a run found: as a page for people (`html`), for continuous integration (`junit`), and for programs (`json`).
 
 mod html;
 mod json;
