@@ -1,6 +1,6 @@
 //! What can be typed after `nephrite conformance`.
 
-use super::values::{microfacet, positive, subsurface, threads};
+use super::values::{above_zero, microfacet, subsurface, threads};
 use crate::optics::Microfacet;
 use std::path::PathBuf;
 
@@ -44,7 +44,7 @@ pub(super) struct ConformanceArgs {
     pub name: Option<String>,
 
     /// Seconds after which a run of the other program is ended
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = above_zero)]
     pub timeout: f32,
 
     /// Independent renders of each case, which share its samples; from their scatter noise is known
@@ -52,7 +52,7 @@ pub(super) struct ConformanceArgs {
     pub batches: u32,
 
     /// Multiply the samples of each case
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = above_zero)]
     pub spp_scale: f32,
 
     /// Another seed gives another noise

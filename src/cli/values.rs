@@ -77,6 +77,10 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|&x| x >= 0.0).ok_or_else(|| "a number of at least 0 is expected".to_owned())
 }
 
+pub(super) fn above_zero(text: &str) -> Result<f32, String> {
+    number(text).ok().filter(|&x| x > 0.0).ok_or_else(|| "a number above 0 is expected".to_owned())
+}
+
 /// A limit of the loader by its name, as in `vertices=200M`.
 pub(super) fn limit(text: &str) -> Result<(String, u64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=N, for example image-bytes=4G")?;

@@ -131,7 +131,7 @@ mod tests {
             let mean = sum / n;
             let error = ((squares / n - mean * mean) / n).sqrt();
             assert!((mean - 1.0).abs() < 4.0 * error, "{sigma_s} {g} {depth}: {mean} ± {error}");
-            assert!(error < 0.01);
+            assert!(error < 0.05, "{sigma_s} {g} {depth}: ± {error}");
         }
     }
 }
