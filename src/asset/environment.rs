@@ -3,6 +3,7 @@
 //! Equirectangular, row 0 at the top. Radiance must be finite and not negative; texels that are not become 0 and are
 //! counted. EXR: `R`, `G`, `B` of the first part that has them, any sample type; `Y` alone is grey; alpha is ignored.
 
+use crate::film::ReadError;
 use crate::scene::EnvironmentDescription;
 use glam::Vec3;
 use std::fs::File;
@@ -117,36 +118,14 @@ fn read_hdr(path: &Path) -> Result<Texels, EnvironmentError> {
 }
 
 fn read_exr(path: &Path) -> Result<Texels, EnvironmentError> {
-    use ::exr::prelude::*;
-    let failed = |e: ::exr::error::Error| decode_error(path, e);
-
-    let meta = MetaData::read_from_buffered(open(path)?, false).map_err(failed)?;
-    for header in &meta.headers {
-        check_size(path, header.layer_size.width(), header.layer_size.height())?;
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(open(path)?)
-        .map_err(failed)?;
-    for layer in &image.layer_data {
-        let (width, height) = (layer.size.width(), layer.size.height());
-        let channel = |name: &str| {
-            (layer.channel_data.list.iter())
-                .find(|c| c.name.eq(name) && c.sampling == Vec2(1, 1))
-                .map(|c| c.sample_data.values_as_f32())
-        };
-        let pixels: Vec<Vec3> = match (channel("R"), channel("G"), channel("B"), channel("Y")) {
-            (Some(r), Some(g), Some(b), _) => r.zip(g).zip(b).map(|((r, g), b)| Vec3::new(r, g, b)).collect(),
-            (None, None, None, Some(y)) => y.map(Vec3::splat).collect(),
-            _ => continue,
-        };
-        return Ok((width, height, pixels));
-    }
-    Err(decode_error(path, "no part of it has the channels R, G, B or Y"))
+    let film = crate::film::read_exr(path, MAX_ENVIRONMENT_TEXELS).map_err(|e| match e {
+        ReadError::Open(source) => EnvironmentError::Open { path: path.to_owned(), source },
+        ReadError::TooLarge { width, height, .. } => {
+            EnvironmentError::TooLarge { path: path.to_owned(), width, height }
+        }
+        ReadError::Decode(_) | ReadError::NoColour => decode_error(path, e),
+    })?;
+    Ok((film.width as usize, film.height as usize, film.pixels))
 }
 
 #[cfg(test)]

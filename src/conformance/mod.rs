@@ -18,7 +18,6 @@ mod command;
 mod diagnose;
 mod judge;
 mod measure;
-mod picture;
 mod reference;
 mod renderer;
 pub mod report;
@@ -30,13 +29,15 @@ pub use command::CommandTemplate;
 pub use diagnose::{Diagnosis, diagnose};
 pub use judge::{CONFIDENCE, Judgement, POWER, Verdict, judge};
 pub use measure::{Estimate, measure};
-pub use picture::read_exr;
 pub use reference::{Reference, RegionMean};
 pub use renderer::{Job, Own, Renderer};
 pub use run::{Finding, Outcome, RunOptions, Watch, run, update_reference};
 pub use suite::Suite;
 
 use std::path::PathBuf;
+
+/// More pixels than this are no picture of a case.
+const MAX_PIXELS: usize = 1 << 22;
 
 /// Why a suite cannot be run at all, or a reference cannot be made.
 #[derive(Debug, thiserror::Error)]

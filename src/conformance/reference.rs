@@ -1,9 +1,8 @@
 //! Converged pictures of the random walk, for cases that have no closed form: `reference.exr`, half floats with where it comes
 //! from in its header, and `reference.toml`, the same with the mean of each region in full precision and its error.
 
-use super::ConformanceError;
-use super::picture::read_exr;
-use crate::film::{Film, WriteOptions, atomic, write};
+use super::{ConformanceError, MAX_PIXELS};
+use crate::film::{Film, WriteOptions, atomic, read_exr, write};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -66,8 +65,10 @@ impl Reference {
         let read: Numbers = toml::from_str(&text)
             .map_err(|e| ConformanceError::Invalid { path: path.clone(), message: e.to_string() })?;
         let picture = folder.join(PICTURE);
-        let film = read_exr(&picture)
-            .map_err(|message| ConformanceError::Invalid { path: picture.clone(), message })?;
+        let film = read_exr(&picture, MAX_PIXELS).map_err(|e| {
+            let message = e.to_string();
+            ConformanceError::Invalid { path: picture.clone(), message }
+        })?;
         let Numbers { version, spp, seed, batches, region } = read;
         Ok(Some(Self { film, version, spp, seed, batches, regions: region }))
     }

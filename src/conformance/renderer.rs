@@ -1,8 +1,8 @@
 //! Who renders: nephrite itself, in this process, or another program.
 
-use super::{Case, CommandTemplate, read_exr};
+use super::{Case, CommandTemplate, MAX_PIXELS};
 use crate::asset::{self, LoadOptions};
-use crate::film::Film;
+use crate::film::{Film, read_exr};
 use crate::optics::Microfacet;
 use crate::scene::Scene;
 use crate::transport::{RenderControl, RenderOptions, render};
@@ -53,7 +53,7 @@ impl Renderer {
                 let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
                 let output = folder.path().join("picture.exr");
                 template.run(job, &output, &|| control.cancelled())?;
-                read_exr(&output).map_err(|e| format!("the picture cannot be read: {e}"))
+                read_exr(&output, MAX_PIXELS).map_err(|e| format!("the picture cannot be read: {e}"))
             }
         }?;
         let Case { width, height, .. } = job.case;

@@ -13,10 +13,12 @@ mod exr;
 pub mod figure;
 mod format;
 mod hdr;
+mod read;
 pub mod tonemap;
 mod write;
 
 pub use format::{Format, UnknownFormat};
+pub use read::{ReadError, read_exr};
 pub use tonemap::ToneMap;
 pub use write::{WriteError, WriteOptions, WriteReport, write};
 
