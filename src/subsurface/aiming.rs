@@ -5,7 +5,7 @@ use super::last_event::LastEvent;
 use super::random_walk::placed;
 use super::spectral::Coefficients;
 use super::{Aim, Aimed, Connector};
-use crate::geometry::{DistanceBound, MeshGeometry, Ray, Similarity};
+use crate::geometry::{DistanceBound, MeshGeometry, MeshHit, Ray, Similarity};
 use crate::sampling::{Sampler, fast_math};
 use glam::{Vec3, Vec3A};
 
@@ -28,17 +28,36 @@ pub(super) struct Event {
     pub clear: f32,
     /// Direction of travel before it.
     pub incoming: Vec3,
-    /// Throughput at the event.
+    /// Throughput there.
     pub beta: Vec3A,
+}
+
+/// A direction aimed at light, in world space and in the object's own.
+struct Found {
+    direction: Vec3,
+    local: Vec3,
+    /// Where it meets the boundary.
+    hit: MeshHit,
+    /// Density of the walk to turn to it.
+    phase: f32,
+    /// What light from there is worth, over the density of the direction.
+    throughput: Vec3A,
+}
+
+/// Distance from the boundary, down to which events are connected to light.
+pub(super) fn reach(c: &Coefficients) -> f32 {
+    AIMING_DEPTH / c.sigma_t.min_element()
 }
 
 /// Connections of the walk in one object.
 pub(super) struct Aiming<'a> {
-    pub instance: u32,
-    pub mesh: &'a MeshGeometry,
-    pub transform: &'a Similarity,
-    pub distance: &'a DistanceBound,
-    pub intruders: &'a Intruders<'a>,
+    instance: u32,
+    mesh: &'a MeshGeometry,
+    transform: &'a Similarity,
+    distance: &'a DistanceBound,
+    intruders: &'a Intruders<'a>,
+    /// Radiance inside for one outside.
+    radiance_scale: f32,
     aim: Aim,
     /// Probability that a direction was aimed at the last event.
     rate: f32,
@@ -51,8 +70,19 @@ impl<'a> Aiming<'a> {
         instance: u32,
         (mesh, transform, distance): (&'a MeshGeometry, &'a Similarity, &'a DistanceBound),
         intruders: &'a Intruders<'a>,
+        radiance_scale: f32,
     ) -> Self {
-        Self { instance, mesh, transform, distance, intruders, aim: Aim::default(), rate: 0.0, ready: None }
+        Self {
+            instance,
+            mesh,
+            transform,
+            distance,
+            intruders,
+            radiance_scale,
+            aim: Aim::default(),
+            rate: 0.0,
+            ready: None,
+        }
     }
 
     /// No direction was aimed at the last event.
@@ -67,23 +97,22 @@ impl<'a> Aiming<'a> {
         &mut self,
         c: &Coefficients,
         event: &Event,
-        worth: f32,
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) {
         let depth = event.clear * c.sigma_t.min_element();
         let decay = fast_math::exp_negative(Vec3A::splat(-AIMING_FALLOFF * depth));
-        self.rate = AIMING_RATE * worth * decay.x;
+        self.rate = AIMING_RATE * self.worth(event.beta) * decay.x;
         if sampler.rng().f32() < self.rate && self.is_ready(event, connector) {
-            let density = |direction, t| {
-                c.phase.eval_directions(event.incoming, direction) * c.arrival_probability(event.beta, t)
-            };
-            self.connect(c, event, (1.0 / self.rate, self.rate), density, false, sampler, connector);
+            let Some(found) = self.draw(c, event, sampler, connector) else { return };
+            let density = found.phase * c.arrival_probability(event.beta, found.hit.t);
+            let aimed = self.aim.drawn(found.direction, self.rate / density);
+            self.emerge(&found, 1.0 / self.rate, aimed, sampler, connector);
         }
     }
 
-    /// For a walk that met the boundary at a length `t` in direction `d`, and turned there with the density `phase` at the
-    /// event: how it could have been aimed.
+    /// For a walk that turned to the direction `d` at the last event, and met the boundary at a length `t`: how it could have
+    /// been aimed.
     pub fn aimed_at_event(
         &mut self,
         c: &Coefficients,
@@ -99,19 +128,25 @@ impl<'a> Aiming<'a> {
             .aimed(self.transform.direction(d), self.rate / (phase * c.arrival_probability(event.beta, t)))
     }
 
-    /// Connects the last event of a walk that has met something at a length `t` in direction `d`: [`LastEvent`] has the idea.
-    /// `channels` is the probability of each to draw the flight; `worth` is how often a path of its weight is to be connected,
-    /// of once. How the walk could have been aimed.
+    /// Connects the last event of a walk that has met something at a length `t` in direction `d`, if the boundary is near:
+    /// [`LastEvent`] has the idea. The event's throughput is that before its stretch, of as many collisions on the way of a
+    /// length. How the walk could have been aimed.
     #[inline(never)]
     pub fn at_arrival(
         &mut self,
         c: &Coefficients,
-        event: &Event,
-        (channels, worth): (Vec3A, f32),
+        event: Event,
+        (collisions, length): (usize, f32),
         (d, t): (Vec3, f32),
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Aimed {
+        if event.clear >= reach(c) {
+            return Aimed::default();
+        }
+        let worth = self.worth(event.beta);
+        let channels = c.channels(event.beta, collisions, length);
+        let event = &Event { beta: c.weigh(event.beta, collisions, length), ..event };
         let Some(normal) = self.normal(event) else { return Aimed::default() };
         if !connector.aim(self.transform.point(event.p), self.transform.direction(normal), &mut self.aim) {
             return Aimed::default();
@@ -124,39 +159,58 @@ impl<'a> Aiming<'a> {
         let weight = last.weight(d, t) / often;
         if weight > 0.0 {
             for _ in 0..(often + sampler.rng().f32()) as u32 {
-                let density = |direction, t| last.density(direction, t);
-                self.connect(c, event, (weight, rate), density, aimed.alone, sampler, connector);
+                let Some(found) = self.draw(c, event, sampler, connector) else { continue };
+                let density = last.density(found.local, found.hit.t);
+                let mut towards = self.aim.drawn(found.direction, rate / density);
+                towards.alone = aimed.alone;
+                self.emerge(&found, weight, towards, sampler, connector);
             }
         }
         aimed
     }
 
-    /// Connects an event to light once. `density` is that of a walk to turn to a direction and go a length.
-    #[allow(clippy::too_many_arguments)]
-    fn connect(
+    /// Aims a direction from an event at light, as far as the boundary.
+    fn draw(
         &mut self,
         c: &Coefficients,
         event: &Event,
-        (weight, rate): (f32, f32),
-        density: impl Fn(Vec3, f32) -> f32,
-        alone: bool,
+        sampler: &mut Sampler,
+        connector: &mut dyn Connector,
+    ) -> Option<Found> {
+        let (direction, pdf) = connector.draw(self.transform.point(event.p), &mut self.aim, sampler)?;
+        let local = self.transform.inverse_direction(direction);
+        let hit = self.mesh.intersect(&Ray { origin: event.p, direction: local, t_max: f32::INFINITY })?;
+        if self.intruders.intersect(event.p, None, local, hit.t).is_some() {
+            return None;
+        }
+        let phase = c.phase.eval_directions(event.incoming, local);
+        let throughput = event.beta * c.transmittance(hit.t) * (phase / pdf);
+        Some(Found { direction, local, hit, phase, throughput })
+    }
+
+    /// Adds the light that comes in where a direction meets the boundary.
+    fn emerge(
+        &self,
+        found: &Found,
+        weight: f32,
+        aimed: Aimed,
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) {
-        let point = self.transform.point(event.p);
-        let Some((direction, pdf)) = connector.draw(point, &mut self.aim, sampler) else { return };
-        let local = self.transform.inverse_direction(direction);
-        let ray = Ray { origin: event.p, direction: local, t_max: f32::INFINITY };
-        let Some(hit) = self.mesh.intersect(&ray) else { return };
-        if self.intruders.intersect(event.p, None, local, hit.t).is_some() {
-            return;
-        }
-        let phase = c.phase.eval_directions(event.incoming, local);
-        let throughput = event.beta * c.transmittance(hit.t) * (phase * weight / pdf);
-        let mut aimed = self.aim.drawn(direction, rate / density(local, hit.t));
-        aimed.alone = alone;
-        let hit = placed(&hit, self.instance, self.transform.scale);
-        connector.emerge(&hit, direction, throughput.into(), &self.aim, aimed, sampler);
+        let hit = placed(&found.hit, self.instance, self.transform.scale);
+        connector.emerge(
+            &hit,
+            found.direction,
+            (found.throughput * weight).into(),
+            &self.aim,
+            aimed,
+            sampler,
+        );
+    }
+
+    /// How often a path of such a throughput is to be connected, of once: one of little weight is not worth it.
+    fn worth(&self, beta: Vec3A) -> f32 {
+        (beta.max_element() * self.radiance_scale).min(1.0)
     }
 
     /// Finds the directions from an event.

@@ -22,7 +22,7 @@
 //! Both are weighed by the power heuristic with the ratio r = a q/(p P), a connections being made on average
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
-use super::aiming::{AIMING_DEPTH, Aiming, Event};
+use super::aiming::{self, Aiming, Event};
 use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
@@ -164,20 +164,19 @@ fn walk_steered<S: Steering>(
     let transform = flight.scene.geometry.transform(instance);
     let medium = flight.medium;
     let radiance_scale = medium.ior * medium.ior;
-    let least_sigma_t = c.sigma_t.min_element();
     let bounds = mesh.bounds();
     let intruders = Intruders::new(flight, transform, bounds.extent().length());
     // Plain walks are connected to light where they meet the boundary, guided ones at their events.
     let at_arrival = flight.connection == Connection::Boundary && !S::GUIDED;
     let at_events = flight.connection == Connection::Boundary && S::GUIDED;
-    let mut aiming = Aiming::new(instance, (mesh, transform, distance), &intruders);
+    let mut aiming = Aiming::new(instance, (mesh, transform, distance), &intruders, radiance_scale);
     // The last event, where it was connected to light.
     let mut event = Event { p, clear: 0.0, incoming: d, beta: Vec3A::ZERO };
 
     // Where the walk sets out from the surface of something else, `p` has lost what keeps it off that surface.
     let mut outset = Some(head.position);
     let mut beta = Vec3A::from(head.throughput);
-    let enough = AIMING_DEPTH / least_sigma_t;
+    let enough = aiming::reach(c);
     // How far the boundary is at least.
     let mut clear = 0.0;
     // Direction of travel before the last event.
@@ -202,11 +201,10 @@ fn walk_steered<S: Steering>(
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if at_events {
                             head.aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
-                        } else if at_arrival && head.events > 0 && clear < enough {
-                            let event =
-                                Event { p, clear, incoming: before, beta: c.weigh(beta, collisions, length) };
-                            let drawn = (c.channels(beta, collisions, length), worth(beta, radiance_scale));
-                            head.aimed = aiming.at_arrival(c, &event, drawn, (d, hit.t), sampler, connector);
+                        } else if at_arrival && head.events > 0 {
+                            let (event, way) =
+                                (Event { p, clear, incoming: before, beta }, (collisions, length));
+                            head.aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
                         }
                         p += d * hit.t;
                         beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
@@ -221,12 +219,8 @@ fn walk_steered<S: Steering>(
             if let Some(hit) = intruder {
                 if at_arrival && head.events > 0 {
                     let clear = distance.bound(mesh, p);
-                    if clear < enough {
-                        let event =
-                            Event { p, clear, incoming: before, beta: c.weigh(beta, collisions, length) };
-                        let drawn = (c.channels(beta, collisions, length), worth(beta, radiance_scale));
-                        aiming.at_arrival(c, &event, drawn, (d, hit.t), sampler, connector);
-                    }
+                    let (event, way) = (Event { p, clear, incoming: before, beta }, (collisions, length));
+                    aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
                 }
                 p += d * hit.t;
                 beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
@@ -253,7 +247,7 @@ fn walk_steered<S: Steering>(
             }
             let at_event = stretch.weigh_event(c, beta, Way { collisions, length, p });
             event = Event { p, clear, incoming: before, beta: at_event };
-            aiming.at_event(c, &event, worth(beta, radiance_scale), sampler, connector);
+            aiming.at_event(c, &event, sampler, connector);
         }
         beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
@@ -266,11 +260,6 @@ fn walk_steered<S: Steering>(
     head.direction = transform.direction(d);
     head.throughput = beta.into();
     arrival
-}
-
-/// A path of little weight is not worth a connection.
-fn worth(beta: Vec3A, radiance_scale: f32) -> f32 {
-    (beta.max_element() * radiance_scale).min(1.0)
 }
 
 /// Guides walks from `p` towards the strongest light that directions can be aimed at.
