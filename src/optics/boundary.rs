@@ -40,6 +40,8 @@ pub struct DielectricBoundary {
     alpha: f32,
     tint: Vec3,
     kind: Kind,
+    /// Worth of what crosses from z > 0, for one of what is reflected there.
+    below: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +96,7 @@ impl DielectricBoundary {
         } else {
             Kind::Single
         };
-        Self { eta, alpha, tint: Vec3::ONE, kind }
+        Self { eta, alpha, tint: Vec3::ONE, kind, below: 1.0 }
     }
 
     /// Multiplies light by `tint` at each crossing, reflections never.
@@ -102,6 +104,26 @@ impl DielectricBoundary {
     pub fn with_transmission_tint(mut self, tint: Vec3) -> Self {
         self.tint = tint;
         self
+    }
+
+    /// Chooses between reflection and crossing, where a path comes from z > 0, as if only the share `below` in (0, 1] of what
+    /// crosses counted: reflections of a dark medium are its highlights, and rarely found by energy alone. Samples are
+    /// weighed for it. Densities are those of the choice up to the (small) share of light that compensation hands back,
+    /// which is sampled by energy: use them for weights between techniques only.
+    #[must_use]
+    pub fn with_worth_below(mut self, below: f32) -> Self {
+        self.below = below;
+        self
+    }
+
+    /// Probability to choose the reflection where the facet's is `reflectance`.
+    #[inline]
+    fn chosen(&self, reflectance: f32, from_above: bool) -> f32 {
+        if from_above && self.below < 1.0 {
+            reflectance / (reflectance + (1.0 - reflectance) * self.below)
+        } else {
+            reflectance
+        }
     }
 
     /// Whether every sample is a delta, so that light can only be found by following them.
@@ -177,12 +199,13 @@ impl DielectricBoundary {
     fn sample_smooth(&self, wo: Vec3, u_lobe: f32) -> Option<BsdfSample> {
         let side = self.side(wo);
         let Interface { reflectance, g } = fresnel::interface(side.wo.z, side.eta);
-        if u_lobe < reflectance {
+        let chosen = self.chosen(reflectance, side.sign > 0.0);
+        if u_lobe < chosen {
             let wi = Vec3::new(-wo.x, -wo.y, wo.z);
             return Some(BsdfSample {
                 wi,
-                weight: Vec3::ONE,
-                pdf: reflectance,
+                weight: Vec3::splat(reflectance / chosen),
+                pdf: chosen,
                 delta: true,
                 transmitted: false,
             });
@@ -191,8 +214,8 @@ impl DielectricBoundary {
         wi.z *= side.sign;
         Some(BsdfSample {
             wi: wi.normalize(),
-            weight: self.crossing_weight(wo),
-            pdf: 1.0 - reflectance,
+            weight: self.crossing_weight(wo) * ((1.0 - reflectance) / (1.0 - chosen)),
+            pdf: 1.0 - chosen,
             delta: true,
             transmitted: true,
         })
@@ -203,12 +226,14 @@ impl DielectricBoundary {
         let h = ggx::sample_visible(side.wo, self.alpha, u);
         let c = side.wo.dot(h).max(0.0);
         let Interface { reflectance, g } = fresnel::interface(c, side.eta);
-        let (single, rest) = if u_lobe < reflectance {
+        let chosen = self.chosen(reflectance, side.sign > 0.0);
+        let (single, rest, worth) = if u_lobe < chosen {
             let wi = 2.0 * c * h - side.wo;
-            (Some(wi).filter(|w| w.z > 0.0), u_lobe / reflectance)
+            (Some(wi).filter(|w| w.z > 0.0), u_lobe / chosen, reflectance / chosen)
         } else {
             let wi = fresnel::refract_with(side.wo, h, c, g, side.eta);
-            (Some(wi).filter(|w| w.z < 0.0), (u_lobe - reflectance) / (1.0 - reflectance))
+            let rest = (u_lobe - chosen) / (1.0 - chosen);
+            (Some(wi).filter(|w| w.z < 0.0), rest, (1.0 - reflectance) / (1.0 - chosen))
         };
         let single = single.map(Vec3::normalize);
         let passed = single.map_or(0.0, |wi| self.passed(side.wo, wi));
@@ -222,9 +247,9 @@ impl DielectricBoundary {
                         sample_lost(&compensation, here, rest, warp::scramble(u, u_lobe))
                     }
                 };
-                (wi, 1.0)
+                (wi, worth)
             }
-            _ => (single?, passed),
+            _ => (single?, worth * passed),
         };
         let transmitted = wi.z < 0.0;
         let wi = Vec3::new(wi.x, wi.y, wi.z * side.sign);
@@ -257,50 +282,55 @@ impl DielectricBoundary {
         }
         let side = self.side(wo);
         let i = Vec3::new(wi.x, wi.y, wi.z * side.sign);
-        let density = if i.z > 0.0 {
-            self.reflected_density(side.wo, i, side.eta)
+        let (facets, reflectance) = if i.z > 0.0 {
+            self.reflecting_facets(side.wo, i, side.eta)
         } else {
-            self.refracted_density(side.wo, i, side.eta)
+            self.refracting_facets(side.wo, i, side.eta)
         };
-        let single = density * self.passed(side.wo, i);
+        let chosen = self.chosen(reflectance, side.sign > 0.0);
+        let (share, chosen) =
+            if i.z > 0.0 { (reflectance, chosen) } else { (1.0 - reflectance, 1.0 - chosen) };
+        let passed = self.passed(side.wo, i);
+        let single = facets * share * passed;
         match self.kind {
             Kind::Multiple { compensation, front, .. } => {
                 let here = if side.sign > 0.0 { front } else { 1 - front };
-                let e = single + lost_energy(&compensation, here, side.wo.z, i.z);
-                (e, e)
+                let lost = lost_energy(&compensation, here, side.wo.z, i.z);
+                (facets * chosen * passed + lost, single + lost)
             }
-            _ => (density, single),
+            _ => (facets * chosen, single),
         }
     }
 
-    /// Density of directions reflected by visible facets: F D_o(h) / (4 ω_o·h).
+    /// Density of directions that visible facets would reflect to, D_o(h) / (4 ω_o·h), and the facet's reflectance.
     #[inline]
-    fn reflected_density(&self, wo: Vec3, wi: Vec3, eta: f32) -> f32 {
+    fn reflecting_facets(&self, wo: Vec3, wi: Vec3, eta: f32) -> (f32, f32) {
         let h = (wo + wi).normalize_or(Vec3::Z);
         let c = wo.dot(h);
         if c <= 0.0 {
-            return 0.0;
+            return (0.0, 0.0);
         }
         let d = ggx::distribution(h, self.alpha);
-        0.5 * fresnel::dielectric(c, eta) * d * ggx::masking_over_two_cos(wo, self.alpha)
+        (0.5 * d * ggx::masking_over_two_cos(wo, self.alpha), fresnel::dielectric(c, eta))
     }
 
-    /// Density of directions refracted by visible facets: (1 − F) D_o(h) |∂h/∂ω_i|, Walter et al. 2007 eq. 17.
+    /// Density of directions that visible facets would refract to, D_o(h) |∂h/∂ω_i|, Walter et al. 2007 eq. 17, and the
+    /// facet's reflectance.
     ///
     /// With g = η cos θ_t, Snell's law turns the denominator ω_o·h + η ω_i·h into (1 − η²)/(c + g), exact for η ≈ 1.
     #[inline]
-    fn refracted_density(&self, wo: Vec3, wi: Vec3, eta: f32) -> f32 {
+    fn refracting_facets(&self, wo: Vec3, wi: Vec3, eta: f32) -> (f32, f32) {
         let sum = (wo + wi) + (eta - 1.0) * wi;
         let h = if eta > 1.0 { -sum } else { sum }.normalize_or_zero();
         let c = wo.dot(h);
         let g = -eta * wi.dot(h);
         if h.z <= 0.0 || c <= 0.0 || g <= 0.0 {
-            return 0.0;
+            return (0.0, 0.0);
         }
         let ratio = (c + g) / ((1.0 - eta) * (1.0 + eta));
         let jacobian = eta * g * ratio * ratio;
         let visible = 2.0 * ggx::masking_over_two_cos(wo, self.alpha) * ggx::distribution(h, self.alpha) * c;
-        (1.0 - fresnel::reflectance(c, g, eta)) * visible * jacobian
+        (visible * jacobian, fresnel::reflectance(c, g, eta))
     }
 }
 

@@ -381,3 +381,41 @@ fn extremes_give_finite_numbers() {
         }
     }
 }
+
+/// What crosses counts less: the choice between the lobes is another, what is found on average is not. Two test functions for
+/// each lobe, by as many samples, |z| < 4.
+#[test]
+fn choosing_by_worth_changes_no_mean() {
+    let mut rng = Rng::new(23);
+    for (alpha, kind) in [(0.0, MULTIPLE), (0.1, SINGLE), (0.1, MULTIPLE), (0.6, MULTIPLE)] {
+        let plain = DielectricBoundary::new(1.4, alpha, kind);
+        let weighed = plain.with_worth_below(0.1);
+        let wo = direction(0.4, 0.0);
+        let mut moments = |b: &DielectricBoundary| {
+            const N: u32 = 100_000;
+            let (mut sum, mut squares, mut reflected) = ([0.0f64; 4], [0.0f64; 4], 0u32);
+            for _ in 0..N {
+                let Some(s) = b.sample(wo, rng.f32(), rng.vec2()) else { continue };
+                reflected += u32::from(!s.transmitted);
+                let at = 2 * usize::from(s.transmitted);
+                let value = f64::from(s.weight.x);
+                for (i, v) in [value, value * f64::from(s.wi.x)].into_iter().enumerate() {
+                    sum[at + i] += v;
+                    squares[at + i] += v * v;
+                }
+            }
+            let n = f64::from(N);
+            let found = std::array::from_fn(|i| {
+                let mean = sum[i] / n;
+                (mean, (squares[i] / n - mean * mean) / n)
+            });
+            (found, f64::from(reflected) / n)
+        };
+        let ((a, often_a), (b, often_b)): (([(f64, f64); 4], f64), _) = (moments(&plain), moments(&weighed));
+        assert!(often_b > 2.0 * often_a, "alpha {alpha}: {often_a} {often_b}");
+        for (i, ((mean_a, variance_a), (mean_b, variance_b))) in a.into_iter().zip(b).enumerate() {
+            let z = (mean_a - mean_b) / (variance_a + variance_b).sqrt().max(1e-9);
+            assert!(z.abs() < 4.0, "alpha {alpha}, moment {i}: {mean_a} {mean_b}, z {z}");
+        }
+    }
+}

@@ -73,6 +73,25 @@ impl Medium {
         quotient(self.reduced_scattering(), self.reduced_extinction(), 0.0)
     }
 
+    /// About how much of the light that crosses into an object of this medium comes out again: what goes straight through on
+    /// the mean chord (four volumes over the area, m), and what a half space of it returns of the rest. To choose by, not
+    /// to calculate with.
+    pub fn returned(&self, chord: f32) -> Vec3 {
+        let inside = albedo::multiple_from_single_rgb(self.albedo(), self.g);
+        let out = 1.0 / (self.ior * self.ior).max(1.0);
+        let returned = inside * out / (Vec3::ONE - inside * (1.0 - out));
+        let through = (-self.sigma_a * chord).exp();
+        returned + (Vec3::ONE - returned) * through
+    }
+
+    /// About how many scattering events a walk has in an object of that mean chord, m, in its longest channel: as many as the
+    /// mean chord holds, η² times as many for light that the boundary keeps in, or as absorption leaves.
+    pub fn events(&self, chord: f32) -> f32 {
+        let through = self.sigma_s * (chord * self.ior * self.ior);
+        let absorbed = Vec3::ONE - self.albedo();
+        (through / (Vec3::ONE + through * absorbed)).max_element()
+    }
+
     /// Mean free path 1/σt, m; infinite in a clear channel.
     pub fn mean_free_path(&self) -> Vec3 {
         quotient(Vec3::ONE, self.sigma_t, f32::INFINITY)

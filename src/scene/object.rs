@@ -1,6 +1,6 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
-use super::{AlphaMode, MeshDescription, PunctualKind, Scene};
+use super::{AlphaMode, MediumDescription, MeshDescription, PunctualKind, Scene};
 use crate::geometry::{Aabb, DistanceBound, MeshGeometry, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
@@ -8,6 +8,14 @@ use std::sync::Arc;
 
 /// Boundaries of a smaller GGX width count as nearly smooth: beyond them light is rather found by going on than sampled.
 pub const NEARLY_SMOOTH: f32 = 0.02;
+
+/// Least of [`Object::returned`] in a channel: even black media are looked into now and then.
+const LEAST_RETURNED: f32 = 0.05;
+
+/// What a sample of a pixel costs beside its walk, in scattering events. Measured: four times as much is no better.
+const REST_OF_A_SAMPLE: f32 = 64.0;
+/// Most walks a sample.
+const MOST_WALKS: u32 = 4;
 
 /// An instance, as the tracer sees it.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +39,11 @@ pub struct Object {
     /// Light beyond the boundary can be aimed at from inside: it is concentrated, and what is in the way of it cannot be
     /// passed unbent (alpha, other media), or the boundary is rough, where aiming copes with that.
     pub aimable: bool,
+    /// About how much of the light that crosses into it comes out again ([`Medium::returned`]), the harmonic mean over the
+    /// channels, since each is looked at by itself; `None` where that varies.
+    pub returned: Option<f32>,
+    /// Walks that are worth one sample of a pixel, at least 1: more where they are short.
+    pub walks: u32,
     /// Lower bounds of the distance to the boundary, in the instance's local space; for closed media that scatter.
     pub distance: Option<Arc<DistanceBound>>,
 }
@@ -105,9 +118,38 @@ impl Scene {
                 overlapped,
                 lit_inside,
                 aimable: false,
+                returned: self.returned(instance),
+                walks: self.walks(instance),
                 distance,
             };
         }
+    }
+
+    /// [`Object::returned`] of an instance.
+    fn returned(&self, instance: u32) -> Option<f32> {
+        let mesh = self.mesh(instance);
+        let index = *mesh.triangle_materials.first()?;
+        let textured =
+            |m: &MediumDescription| m.absorption_texture.is_some() || m.scattering_texture.is_some();
+        let uniform = mesh.triangle_materials.iter().all(|&m| m == index)
+            && !self.material(index).medium.as_ref().is_some_and(textured);
+        let medium = self.medium(index).filter(|_| uniform)?;
+        let returned = medium.returned(self.mean_chord(instance)).max(Vec3::splat(LEAST_RETURNED));
+        Some(3.0 / returned.recip().element_sum()).filter(|r| r.is_finite())
+    }
+
+    /// [`Object::walks`] of an instance.
+    fn walks(&self, instance: u32) -> u32 {
+        let media = self.mesh(instance).triangle_materials.iter().filter_map(|&m| self.medium(m));
+        let chord = self.mean_chord(instance);
+        let longest = media.map(|m| m.events(chord)).fold(1.0, f32::max);
+        ((REST_OF_A_SAMPLE / longest).sqrt() as u32).clamp(1, MOST_WALKS)
+    }
+
+    /// Four volumes over the area, m.
+    fn mean_chord(&self, instance: u32) -> f32 {
+        let mesh = self.mesh(instance);
+        (4.0 * volume(mesh) / area(mesh)) as f32 * self.geometry.transform(instance).scale
     }
 
     /// Whether all triangles of an instance are opaque to straight lines: no alpha.
@@ -174,4 +216,13 @@ fn volume(mesh: &MeshDescription) -> f64 {
     let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
     let tetrahedron = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2])));
     (mesh.triangles.iter().map(tetrahedron).sum::<f64>() / 6.0).abs()
+}
+
+fn area(mesh: &MeshDescription) -> f64 {
+    let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
+    let double = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(corner);
+        (b - a).cross(c - a).length()
+    };
+    mesh.triangles.iter().map(double).sum::<f64>() / 2.0
 }

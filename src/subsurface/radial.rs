@@ -15,6 +15,9 @@ use crate::optics::{DiffuseExit, fresnel};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, Surface};
 
+/// Least probability of connecting single scattering.
+const LEAST_OFTEN: f32 = 0.25;
+
 /// A radial model: its profile, and how light leaves through it. Whoever has one has a model: its
 /// [`SubsurfaceModel::prepare`](super::SubsurfaceModel::prepare) is [`Radial::prepare`].
 pub trait Formula: Clone + Send + Sync + 'static {
@@ -82,11 +85,16 @@ impl<F: Formula> FromBoundary for Radial<F> {
         sampler: &mut Sampler,
         connector: &mut dyn Connector,
     ) -> Arrival {
+        let tables = self.tables.of(flight);
         if self.formula.adds_single_scattering() {
-            super::single_scattering::connect(flight, head, sampler, connector);
+            // Beside much diffuse light there is little that is scattered once.
+            let often = (1.0 - tables.total().max_element()).max(LEAST_OFTEN);
+            if sampler.rng().f32() < often {
+                let rare = PathHead { throughput: head.throughput / often, ..*head };
+                super::single_scattering::connect(flight, &rare, sampler, connector);
+            }
         }
         head.events += 1;
-        let tables = self.tables.of(flight);
         let from = flight.scene.geometry.surface(hit);
         let beta = head.throughput;
         let Some(radii) = tables.radii(beta) else { return Arrival::Ended };

@@ -15,6 +15,7 @@ mod pixel;
 mod render;
 pub mod searchlight;
 mod shutter;
+mod split;
 mod state;
 mod surroundings;
 mod weight;

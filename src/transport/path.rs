@@ -248,6 +248,12 @@ impl PathTracer<'_> {
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             path.head.aimed = Aimed::default();
         }
+        if front
+            && drawn.is_none()
+            && let Some(e) = enclosure
+        {
+            self.weigh_below(&mut bsdf, e);
+        }
         let lit_inside = enclosure.is_none_or(|e| {
             let object = &self.scene.objects[e.instance as usize];
             object.lit_inside || object.overlapped || !object.closed
@@ -314,7 +320,13 @@ impl PathTracer<'_> {
         if let Some(drawn) = &shaded.drawn {
             self.keep_wavelength(path, drawn, shaded.wo, &sample);
         }
-        self.leave(&shaded, &sample, connected, path, sampler)
+        let alive = self.leave(&shaded, &sample, connected, path, sampler);
+        let walks = if alive && sample.transmitted && shaded.front { self.walks(path) } else { 1 };
+        if walks > 1 {
+            self.follow_each(path, walks, radiance, sampler);
+            return false;
+        }
+        alive
     }
 
     /// Sends a path on its way in a sampled direction. False: it ends.

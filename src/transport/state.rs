@@ -49,6 +49,7 @@ pub(super) struct Counters {
 }
 
 /// The state of a path between events.
+#[derive(Clone)]
 pub(super) struct Path {
     pub head: PathHead,
     pub stack: MediumStack,
