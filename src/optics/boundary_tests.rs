@@ -395,7 +395,7 @@ fn choosing_by_worth_changes_no_mean() {
             const N: u32 = 100_000;
             let (mut sum, mut squares, mut reflected) = ([0.0f64; 4], [0.0f64; 4], 0u32);
             for _ in 0..N {
-                let Some(s) = b.sample(wo, rng.f32(), rng.vec2()) else { continue };
+                let Some(s) = b.sample(wo, rng.vec2().x, rng.vec2()) else { continue };
                 reflected += u32::from(!s.transmitted);
                 let at = 2 * usize::from(s.transmitted);
                 let value = f64::from(s.weight.x);

@@ -207,6 +207,19 @@ mod tests {
         close(m.diffuse_mean_free_path(), 1.3245323570650438, "dmfp");
     }
 
+    /// Clear media return all, black ones nothing; white ones all again, whatever the index. Events: the mean chord holds
+    /// σs η² chord of them (Blanco & Fournier 2003 and the radiance of a trapping boundary), absorption 1/(1 − α).
+    #[test]
+    fn what_objects_return_and_how_long_walks_are() {
+        let medium = |a: f32, s: f32| Medium::new(Vec3::splat(a), Vec3::splat(s), 0.0, 1.5, 0);
+        assert_eq!(medium(0.0, 0.0).returned(0.1), Vec3::ONE);
+        assert!(medium(1e4, 0.0).returned(0.1).x < 1e-6);
+        assert!((medium(0.0, 1e4).returned(0.1).x - 1.0).abs() < 1e-5);
+        assert!(medium(1e3, 1e3).returned(0.1).x < 0.1);
+        assert!((medium(0.0, 100.0).events(0.1) - 22.5).abs() < 1e-4);
+        assert!((medium(1.0, 9.0).events(1e9) - 10.0).abs() < 1e-3);
+    }
+
     #[test]
     fn clear_media_have_no_nans() {
         let m = Medium::new(Vec3::ZERO, Vec3::new(0.0, 1.0, 0.0), 0.3, 1.33, 0);

@@ -9,8 +9,9 @@
 //! S_δ is the light that crosses the object without being scattered, e^{−σt s}: with the probability of a weight of its own
 //! the path goes straight on to the boundary instead.
 
-use super::exit_search::{Candidate, ExitSearch};
+use super::exit_search::ExitSearch;
 use super::from_boundary::{FromBoundary, or_walk};
+use super::spectral::{Coefficients, draw_flight};
 use super::tables::{PerMedium, Tables, coefficients_at};
 use super::{Arrival, Connector, Exit, Flight, PathHead, Propagator, SubsurfaceModel, TexturedMedium};
 use crate::geometry::{Hit, Ray};
@@ -19,14 +20,6 @@ use crate::optics::{ExitLobe, fresnel};
 use crate::sampling::{Sampler, orthonormal_basis};
 use crate::scene::{Scene, Surface};
 use glam::{DVec3, Mat3, Vec3};
-use std::f32::consts::PI;
-
-/// How much more light that goes straight through is looked at than there is of it: it may come from a light itself.
-const PREFER_STRAIGHT: f32 = 4.0;
-/// Less than this share of light goes straight through unnoticed.
-const LEAST_STRAIGHT: f32 = 1e-12;
-/// Least cosine to the normal of light that decides what crossing is kept.
-const LOWEST_LIGHT: f32 = 0.1;
 
 /// The directional dipole.
 #[derive(Clone, Copy, Debug)]
@@ -136,7 +129,7 @@ impl FromBoundary for Directional {
         let tables = self.tables.of(flight);
         let scattered = (head.throughput * tables.total()).element_sum();
         if let Some((hit, share)) = unscattered(flight, head, sampler) {
-            let straight = PREFER_STRAIGHT * (head.throughput * share).element_sum();
+            let straight = (head.throughput * share).element_sum();
             let probability = straight / (straight + scattered);
             if sampler.rng().f32() < probability {
                 head.position += head.direction * hit.t;
@@ -151,14 +144,6 @@ impl FromBoundary for Directional {
 }
 
 impl Directional {
-    fn towards(&self, flight: &Flight<'_>, from: &Surface, entry: Vec3) -> Towards {
-        Towards {
-            channels: self.formulas.get(flight, || Formulas::new(flight)).at(flight, entry),
-            exit: directional::Exit { x: (from.position - entry).as_dvec3(), n: from.normal.as_dvec3() },
-        }
-    }
-
-    /// Keeps a crossing by the profile, which knows no directions, and by S_d for light from a likely one.
     fn search(
         &self,
         flight: &Flight<'_>,
@@ -171,12 +156,7 @@ impl Directional {
         let from = Surface::new(scene, hit);
         let radii = tables.radii(head.throughput)?;
         let search = ExitSearch::new(scene, hit.instance, from.position, from.geometric_normal, &radii);
-        let found = search.find(head.throughput, sampler, |c| {
-            let radial = self.tables.reflectance(flight, &tables, c);
-            let towards = self.towards(flight, &from, c.position);
-            let lit = PI * towards.s_d(c.normal.as_dvec3(), likely_light(scene, c).as_dvec3());
-            0.5 * (radial + lit.max(Vec3::ZERO))
-        })?;
+        let found = search.find(head.throughput, sampler, |c| self.tables.reflectance(flight, &tables, c))?;
         let surface = Surface::new(scene, &found.candidate.hit);
         let (x, y) = orthonormal_basis(surface.normal);
         if !flight.is_interface(&surface) {
@@ -185,9 +165,14 @@ impl Directional {
         let tint = scene.straight_transmission(&surface);
         // The weight of the profile; what the lobe says is relative to it.
         head.throughput *= found.reflectance * tint * found.inverse_pdf;
+        let position = found.candidate.position;
+        let towards = Towards {
+            channels: self.formulas.get(flight, || Formulas::new(flight)).at(flight, position),
+            exit: directional::Exit { x: (from.position - position).as_dvec3(), n: from.normal.as_dvec3() },
+        };
         let eta = flight.eta;
         let lobe = Lobe {
-            towards: self.towards(flight, &from, found.candidate.position),
+            towards,
             frame: Mat3::from_cols(x, y, surface.normal),
             eta,
             scale: Vec3::select(
@@ -200,28 +185,31 @@ impl Directional {
     }
 }
 
-/// The direction that light is likely to come from: that of the strongest light, or the normal.
-fn likely_light(scene: &Scene, candidate: &Candidate) -> Vec3 {
-    let seen = scene.beacons.iter().map(|b| b.seen_from(candidate.position));
-    let above = seen.filter(|s| s.direction.dot(candidate.normal) > LOWEST_LIGHT);
-    let brightest = above.max_by(|a, b| a.irradiance.total_cmp(&b.irradiance));
-    brightest.map_or(candidate.normal, |s| s.direction)
-}
-
-/// Where the path leaves the object if it is not scattered, and the share of it that is not.
+/// Where the path leaves the object if it is not scattered, and the share of it that is not, over the probability of
+/// having looked: a free flight is drawn, and what it does not reach is not looked for.
 fn unscattered(flight: &Flight<'_>, head: &PathHead, sampler: &mut Sampler) -> Option<(Hit, Vec3)> {
     let geometry = &flight.scene.geometry;
-    let ray = Ray { origin: head.position, direction: head.direction, t_max: f32::INFINITY };
+    let textured = flight.is_textured();
+    let medium = flight.medium;
+    let c = Coefficients::of_one_event(medium.sigma_a, medium.sigma_s, medium.g);
+    let beta = head.throughput.into();
+    let t_max = if textured {
+        f32::INFINITY
+    } else {
+        draw_flight(sampler.rng()) * c.draw_mean_free_path(beta, sampler.rng())
+    };
+    let ray = Ray { origin: head.position, direction: head.direction, t_max };
     let hit = if flight.object.isolated {
         geometry.intersect_instance(flight.enclosure.instance, &ray)
     } else {
         geometry.intersect(&ray)
     }?;
-    let share = if flight.is_textured() {
+    let share = if textured {
         let mut medium = TexturedMedium::new(flight.scene, flight.enclosure);
         medium.transmittance(ray.origin, ray.direction, hit.t, sampler.rng())
     } else {
-        (-flight.medium.sigma_t * hit.t).exp()
+        let carried = head.throughput.cmpgt(Vec3::ZERO);
+        Vec3::select(carried, Vec3::from(c.weigh(beta, 0, hit.t)) / head.throughput, Vec3::ZERO)
     };
-    (share.is_finite() && share.max_element() > LEAST_STRAIGHT).then_some((hit, share))
+    (share.is_finite() && share.max_element() > 0.0).then_some((hit, share))
 }

@@ -115,7 +115,7 @@ mod tests {
             let incoming = Vec3::new(0.6, 0.0, 0.8);
             let last = LastEvent::new(&c, channels, incoming, (Vec3::Z, depth));
             let mut rng = SmallRng::new(11);
-            const N: u32 = 400_000;
+            const N: u32 = 2_000_000;
             let (mut sum, mut squares) = (0.0, 0.0);
             for _ in 0..N {
                 let direction = redirect(c.phase, incoming, &mut rng);
@@ -131,7 +131,8 @@ mod tests {
             let mean = sum / n;
             let error = ((squares / n - mean * mean) / n).sqrt();
             assert!((mean - 1.0).abs() < 4.0 * error, "{sigma_s} {g} {depth}: {mean} ± {error}");
-            assert!(error < 0.05, "{sigma_s} {g} {depth}: ± {error}");
+            // The rarest of them arrives with one walk in a thousand.
+            assert!(error < 0.02, "{sigma_s} {g} {depth}: ± {error}");
         }
     }
 }
