@@ -133,7 +133,7 @@ def pictures():
     for roughness in (0.3, 0.6):
         case = Case(f"rough-{10 * roughness:02.0f}", f"Rough sphere under a lamp, roughness {roughness:g}", ["roughness", "lights", "scattering"],
                     f"A sphere of index 1.5 and roughness {roughness:g} (α = {roughness**2:g}), lit from the upper left by a point light and weakly from all around. "
-                    "The highlight, the light below the surface and what leaks to the dark side are measured in quarters.", size=32, spp=512).under(0.1)
+                    "The highlight, the light below the surface and what leaks to the dark side are measured in quarters.", size=32, spp=1024 if roughness < 0.5 else 512).under(0.1)
         case.document.add(icosphere(0.02, 4), medium([20, 60, 200], [400, 400, 400], 0.3, 1.5, roughness), "sphere")
         case.document.camera((0, 0, -1), 0.022, distance=0.3)
         case.document.light({"type": "point", "intensity": 0.3}, DOWN, (-0.2, 0.2, 0.2))
