@@ -21,8 +21,9 @@ if "DRJIT_LIBLLVM_PATH" not in os.environ:
 import mitsuba as mi
 import numpy as np
 
-# No path is cut off, only played for; rouletting begins late, so that dark channels do not get noisy.
-NO_LIMIT, ROULETTE_DEPTH = -1, 64
+# No path is cut off, only played for, and late: a path survives with at most 0.95 however much it carries, so earlier roulette makes rare
+# bright paths of long ones, and their light is missing from most pictures.
+NO_LIMIT, ROULETTE_DEPTH = -1, 10000
 # Samples of a pixel that are rendered at once, to bound memory.
 CHUNK = 1 << 20
 

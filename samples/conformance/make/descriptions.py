@@ -7,8 +7,9 @@ from document import inside_out, medium, number, plate, slab, split_vertices, su
 from media import ALBEDO, G, IOR, SIBLING, TAU
 from slabs import CLOSED, HALF_WIDTH, ROUNDING, TABLE, THICKNESS, WHY, absorbed, coefficients, mistakes, stage, tabulated
 
-NO_PRIORITIES = ("Mitsuba 3 and Cycles have no priorities. Mitsuba replaces the medium at each boundary that it meets, so an overlap counts as what "
-                 "was entered last, and reflects at boundaries that should not be there; Cycles adds the coefficients of all volumes around a point.")
+NO_PRIORITIES = ("Mitsuba 3 and Cycles have no priorities. In Mitsuba each surface sets the medium of its own side: an overlap holds what was entered "
+                 "last, and light that leaves one body is in none, though still in the other; surfaces within a medium reflect. Cycles adds the "
+                 "coefficients of all volumes around a point, and its surfaces reflect, too.")
 
 
 def sibling(name, title, text, tests, thickness=THICKNESS, scale=1.0, build=None, **material):
@@ -118,6 +119,8 @@ def layers():
         expect.symptom(seen(other), "the other medium fills the overlap: the order of priorities is turned round")
         expect.symptom(seen((2, 2)), "in the overlap the coefficients are added up")
         expect.symptom(seen((1, 1)), "nothing fills the overlap")
+        expect.symptom([truth.without_priorities(x, y, n) for x, y in zip(a, b)],
+                       "there are no priorities: each surface sets the medium of its own side, so light that leaves one body is in none")
         yield case
     case = stage(Case("nesting", "A medium inside another", ["priority", "Fresnel", "absorption"],
                       "A plate of index 2 lies inside a slab of index 1.33; neither says a priority, so the smaller one fills its place. The "
