@@ -55,6 +55,7 @@ def surface(body, outside, unit):
         mix, fresnel = new("ShaderNodeMixShader"), new("ShaderNodeFresnel")
         clear, mirror = new("ShaderNodeBsdfTransparent"), new("ShaderNodeBsdfGlossy")
         fresnel.inputs["IOR"].default_value = own.ior
+        mirror.inputs["Color"].default_value = (1, 1, 1, 1)
         mirror.inputs["Roughness"].default_value = 0
         link(fresnel.outputs[0], mix.inputs[0])
         link(clear.outputs[0], mix.inputs[1])
