@@ -74,7 +74,7 @@ class Case:
         lines = ["# Written by samples/conformance/make/build.py."]
         put = lambda key, value: lines.append(f"{key} = {toml(value)}")
         put("title", self.title)
-        put("tests", self.tests)
+        put("tests", self.tests + ["refracting boundary"] * self.document.refracts())
         put("width", self.size)
         put("height", self.size)
         put("spp", self.spp)

@@ -5,7 +5,7 @@ import truth
 from case import Case
 from descriptions import NO_PRIORITIES
 from document import black, icosphere, medium, plate, slab
-from slabs import DOWN, HALF_WIDTH, ROUNDING, TABLE, THICKNESS, WHY, coefficients, stage
+from slabs import DOWN, HALF_WIDTH, ROUNDING, TABLE, THICKNESS, WHY, coefficients, stage, unscaled
 
 SINGLE = "single-scattering microfacets: light that would meet the surface twice is lost at each of many crossings"
 WALK = "converged random walk of nephrite"
@@ -31,6 +31,9 @@ def spheres():
         if g:
             expect.symptom(without(0.0, n), "g is ignored: scattering is isotropic")
         expect.symptom([1, 1, 1], "absorption is ignored")
+        # Over the disk that a ball shows, the square of the cosine is uniform.
+        mirrored = truth.fresnel(np.sqrt((np.arange(512) + 0.5) / 512), n).mean()
+        unscaled(expect, 1 - share + share * mirrored, n)
         yield case
     radius, tau = 0.02, np.array([0.2, 1.0, 2.0])
     case = Case("camera-inside", "Camera inside the medium", ["camera", "absorption"],

@@ -19,6 +19,13 @@ def fresnel(cos_i, n):
     return 0.5 * (s * s + p * p)
 
 
+def square_of_ball(radius, half, n):
+    """Mean reflectance of a ball's surface over the square of half width `half` in its middle, seen along parallel rays."""
+    x = (np.arange(64) + 0.5) / 64 * half
+    cos = np.sqrt(1 - (x[:, None] ** 2 + x[None, :] ** 2) / radius**2)
+    return fresnel(cos, n).mean()
+
+
 def pile(layers):
     """Reflectance and transmittance of layers (R, T) from both sides alike, by adding: light bounces between them.
 

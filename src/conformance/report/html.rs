@@ -74,8 +74,9 @@ fn common(out: &mut String, outcomes: &[Outcome]) {
         out.push_str("</table>\n");
     }
     out.push_str(
-        "<h2>Where failures gather</h2>\n<p class=\"muted small\">Cases by what they depend on: a property whose cases \
-         all fail, while cases without it pass, is the place to look.</p>\n<table>\n",
+        "<h2>Where failures gather</h2>\n<p class=\"muted small\">Cases by what they depend on, \
+         in the order in which that tells failed cases from passed ones: a property whose cases all fail, while cases \
+         without it pass, is the place to look.</p>\n<table>\n",
     );
     for property in properties(outcomes) {
         put(
