@@ -2,6 +2,8 @@
 
 #[path = "cli/animation.rs"]
 mod animation;
+#[path = "cli/book.rs"]
+mod book;
 #[path = "cli/compare_models.rs"]
 mod compare_models;
 #[path = "cli/conformance.rs"]

@@ -12,6 +12,8 @@ use std::f64::consts::PI;
 const RECOGNIZED: f64 = 0.03;
 /// A factor is recognized within this part of it.
 const FACTOR: f64 = 0.015;
+/// A factor without a name is worth a word from this far from 1 on: smaller ones have many causes.
+const NOTABLE: f64 = 0.05;
 
 /// A guess, in words.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,9 +97,11 @@ fn common_factor(seen: [f64; 3], expected: [f64; 3]) -> Option<Diagnosis> {
         (1.0 / 1.7689, "1/1.33², 1/η² of water"),
     ];
     let name = known.iter().find(|(k, _)| (mean / k - 1.0).abs() < FACTOR);
+    // Few digits, so that cases with the same factor say the same.
     let text = match name {
-        Some((_, name)) => format!("all channels are off by the same factor {mean:.3}, probably {name}"),
-        None => format!("all channels are off by the same factor {mean:.3}"),
+        Some((_, name)) => format!("all channels are off by the same factor, {name}"),
+        None if (mean - 1.0).abs() < NOTABLE => return None,
+        None => format!("all channels are off by the same factor, about {mean:.2}"),
     };
     Some(found(&text, 0.5))
 }
@@ -134,8 +138,9 @@ mod tests {
     #[test]
     fn channels_and_factors_are_recognized() {
         assert_eq!(guess([0.6, 0.4, 0.2]), ["red and blue are swapped"]);
-        assert!(guess(EXPECTED.map(|v| v * PI))[0].contains("probably π"));
-        assert!(guess(EXPECTED.map(|v| v * 1.2))[0].contains("1.200"));
+        assert!(guess(EXPECTED.map(|v| v * PI))[0].contains("same factor, π"));
+        assert!(guess(EXPECTED.map(|v| v * 1.2))[0].contains("about 1.20"));
+        assert!(guess(EXPECTED.map(|v| v * 1.04)).is_empty(), "a few per cent have many causes");
         assert!(guess([0.0; 3])[0].contains("black"));
         assert!(guess([f64::NAN, 0.4, 0.6])[0].contains("not finite"));
     }

@@ -74,6 +74,24 @@ pub fn judge(measured: &Estimate, expected: [f64; 3], error: [f64; 3], tolerance
     judgement
 }
 
+/// How many times the samples would bring the noise down to where an error of [`POWER`] shows; 1 or less if it does already.
+/// `None` where no number would do: the error of the render is not known, or the truth itself is too uncertain.
+pub fn samples_needed(
+    measured: &Estimate,
+    expected: [f64; 3],
+    error: [f64; 3],
+    tolerance: f64,
+) -> Option<f64> {
+    let own = measured.standard_error?;
+    let needed = (0..3).map(|c| {
+        let room = (POWER - tolerance) * expected[c].abs() / CONFIDENCE;
+        // Negative where the tolerance leaves no room at all.
+        let variance = room * room.abs() - error[c] * error[c];
+        if variance > 0.0 { own[c] * own[c] / variance } else { f64::INFINITY }
+    });
+    Some(needed.fold(0.0, f64::max)).filter(|factor| factor.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -96,6 +114,20 @@ mod tests {
     fn what_would_hide_two_per_cent_is_inconclusive() {
         assert_eq!(judged(1.0, Some(0.0051)), Verdict::Inconclusive);
         assert_eq!(judged(1.5, Some(0.0051)), Verdict::Failed);
+    }
+
+    #[test]
+    fn the_samples_that_are_needed_make_it_conclusive() {
+        let needed = |error, truth| {
+            let measured = Estimate { mean: [1.0; 3], standard_error: Some([0.0, 0.0, error]) };
+            samples_needed(&measured, [1.0; 3], [truth; 3], 0.005)
+        };
+        // (0.02 − 0.005)/3 is the most noise that a tolerance of 0.005 leaves room for.
+        let factor = needed(0.02, 0.0).expect("a number");
+        assert!((factor - 16.0).abs() < 1e-9, "{factor}");
+        assert_eq!(judged(1.0, Some(0.02 / 1.01 / factor.sqrt())), Verdict::Passed);
+        assert_eq!(judged(1.0, Some(0.02 * 1.01 / factor.sqrt())), Verdict::Inconclusive);
+        assert_eq!(needed(0.001, 0.0051), None);
     }
 
     #[test]

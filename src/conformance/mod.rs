@@ -27,7 +27,7 @@ mod suite;
 pub use case::{Case, Expectation, Region, Sweep, Symptom};
 pub use command::CommandTemplate;
 pub use diagnose::{Diagnosis, diagnose};
-pub use judge::{CONFIDENCE, Judgement, POWER, Verdict, judge};
+pub use judge::{CONFIDENCE, Judgement, POWER, Verdict, judge, samples_needed};
 pub use measure::{Estimate, measure};
 pub use reference::{Reference, RegionMean};
 pub use renderer::{Job, Own, Renderer};

@@ -87,7 +87,7 @@ fn what_is_wrong_with_a_renderer_is_said() {
     let sandbox = Sandbox::new();
     for (case, wrong, says) in [
         ("furnace-rough-07", "--microfacet single", "single-scattering microfacets"),
-        ("absorption-oblique", "--env 2,2,2", "same factor 2.0"),
+        ("absorption-oblique", "--env 2,2,2", "same factor, 2"),
     ] {
         let renderer = as_other(wrong);
         // A quarter of the samples tells mistakes of this size.

@@ -1,25 +1,19 @@
 #!/usr/bin/env python3
 """Renders a case of the conformance suite with Blender Cycles (PyPI: bpy, numpy; Python as bpy asks for).
 
-usage: cycles.py INPUT.gltf OUTPUT.exr WIDTH HEIGHT [--spp N] [--seed N]
-
 A boundary is the glass BSDF (GGX), a medium the volume coefficients node with Henyey–Greenstein scattering, so that Cycles
 traces paths through it, unlike its principled subsurface, which approximates. Said on standard error and left out: textured
 coefficients, and media that overlap or nest, where Cycles adds coefficients up. Paths end after 1024 bounces, Blender's limit.
 """
-import argparse
 import os
-import sys
 
-# This file has the name of Blender's own module; without its folder on the path that one is found.
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path = [p for p in sys.path if os.path.abspath(p or ".") != here]
+import common
+import gltf
+
+common.leave_path()
 import bpy
 import numpy as np
 from mathutils import Matrix
-
-sys.path.append(here)
-import gltf
 
 MOST_BOUNCES = 1024
 # Blender's point and spot lights of P watts have an intensity of P/(4π).
@@ -42,8 +36,6 @@ def surface(body, outside, unit):
     own = body.material
     material, new, link, out = nodes(body.name)
     if own.medium:
-        if own.medium.textured:
-            print(f"{body.name}: textured coefficients are not translated", file=sys.stderr)
         glass = new("ShaderNodeBsdfGlass" if own.ior != outside else "ShaderNodeBsdfTransparent")
         glass.inputs["Color"].default_value = (*own.color, 1)
         if own.ior != outside:
@@ -63,6 +55,7 @@ def surface(body, outside, unit):
         mix, fresnel = new("ShaderNodeMixShader"), new("ShaderNodeFresnel")
         clear, mirror = new("ShaderNodeBsdfTransparent"), new("ShaderNodeBsdfGlossy")
         fresnel.inputs["IOR"].default_value = own.ior
+        mirror.inputs["Color"].default_value = (1, 1, 1, 1)
         mirror.inputs["Roughness"].default_value = 0
         link(fresnel.outputs[0], mix.inputs[0])
         link(clear.outputs[0], mix.inputs[1])
@@ -132,6 +125,7 @@ def add_camera(scene, unit, width, height):
 
 def build(scene, width, height):
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    gltf.left_out(scene, nested=False)
     unit = gltf.unit(scene)
     for body in scene.bodies:
         mesh = bpy.data.meshes.new(body.name)
@@ -151,14 +145,7 @@ def build(scene, width, height):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("input")
-    parser.add_argument("output")
-    parser.add_argument("width", type=int)
-    parser.add_argument("height", type=int)
-    parser.add_argument("--spp", type=int, default=256)
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
+    args = common.arguments(__doc__)
     build(gltf.load(args.input), args.width, args.height)
     scene = bpy.context.scene
     render, cycles = scene.render, scene.cycles

@@ -7,6 +7,7 @@ import base64
 import dataclasses
 import json
 import pathlib
+import sys
 
 import numpy as np
 
@@ -170,6 +171,14 @@ def containing(scene, body):
     return min(around, key=lambda other: np.prod(other.bounds[1] - other.bounds[0]), default=None)
 
 
+def overlapping(scene):
+    """Names of bodies with media whose bounds overlap those of another one without either holding the other."""
+    bodies = [b for b in scene.bodies if b.material.medium]
+    meet = lambda a, b: np.all(a.bounds[0] < b.bounds[1]) and np.all(b.bounds[0] < a.bounds[1])
+    holds = lambda a, b: np.all(a.bounds[0] <= b.bounds[0]) and np.all(a.bounds[1] >= b.bounds[1])
+    return [a.name for a in bodies if any(a is not b and meet(a, b) and not holds(a, b) and not holds(b, a) for b in bodies)]
+
+
 def around_camera(scene):
     """The body with a medium that a perspective camera is in, by its bounds, or `None`."""
     if scene.camera["type"] != "perspective":
@@ -177,6 +186,17 @@ def around_camera(scene):
     eye = scene.camera_matrix[:3, 3]
     inside = [b for b in scene.bodies if b.material.medium and np.all(b.bounds[0] < eye) and np.all(b.bounds[1] > eye)]
     return min(inside, key=lambda b: np.prod(b.bounds[1] - b.bounds[0]), default=None)
+
+
+def left_out(scene, nested):
+    """Says on standard error what a renderer without counterparts shows differently; `nested` says whether it can nest media."""
+    for body in scene.bodies:
+        if body.material.medium and body.material.medium.textured:
+            print(f"{body.name}: textured coefficients are not translated", file=sys.stderr)
+        if not nested and body.material.medium and containing(scene, body):
+            print(f"{body.name}: lies within another medium; both count", file=sys.stderr)
+    for name in overlapping(scene):
+        print(f"{name}: overlaps another medium; there are no priorities", file=sys.stderr)
 
 
 def unit(scene):

@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
 """Renders a case of the conformance suite with Mitsuba 3 (PyPI: mitsuba, numpy).
 
-usage: mitsuba.py INPUT.gltf OUTPUT.exr WIDTH HEIGHT [--spp N] [--seed N] [--variant llvm_ad_rgb]
-
 Boundaries are Mitsuba's smooth or rough dielectric, media homogeneous with Henyey–Greenstein scattering, the integrator is
 volpathmis. Lengths are scaled so that the thinnest body is ten units thick: Mitsuba's ray epsilon is absolute. What it has
 no counterpart for is said on standard error and left out: textured coefficients, and media that overlap.
 """
-import argparse
 import glob
 import os
-import sys
+import tempfile
 
-# This file has the name of the package; without its folder on the path the package is found.
-here = os.path.dirname(os.path.abspath(__file__))
-sys.path = [p for p in sys.path if os.path.abspath(p or ".") != here]
+import common
+import gltf
+
+common.leave_path()
 if "DRJIT_LIBLLVM_PATH" not in os.environ:
     # Some older LLVMs that systems have as default cannot compile its kernels.
     found = sorted(glob.glob("/usr/lib/*/libLLVM*.so.19*") + glob.glob("/usr/lib/*/libLLVM-19.so*"))
@@ -23,11 +21,9 @@ if "DRJIT_LIBLLVM_PATH" not in os.environ:
 import mitsuba as mi
 import numpy as np
 
-sys.path.append(here)
-import gltf
-
-# No path is cut off, only played for; rouletting begins late, so that dark channels do not get noisy.
-NO_LIMIT, ROULETTE_DEPTH = -1, 64
+# No path is cut off, only played for, and late: a path survives with at most 0.95 however much it carries, so earlier roulette makes rare
+# bright paths of long ones, and their light is missing from most pictures.
+NO_LIMIT, ROULETTE_DEPTH = -1, 10000
 # Samples of a pixel that are rendered at once, to bound memory.
 CHUNK = 1 << 20
 
@@ -108,6 +104,7 @@ def shape(body, unit):
 
 
 def build(scene, width, height, folder):
+    gltf.left_out(scene, nested=True)
     unit = gltf.unit(scene)
     media = {id(body): medium(body.material.medium, unit) for body in scene.bodies if body.material.medium}
     d = {"type": "scene", "integrator": {"type": "volpathmis", "max_depth": NO_LIMIT, "rr_depth": ROULETTE_DEPTH},
@@ -121,8 +118,6 @@ def build(scene, width, height, folder):
         d[f"light{i}"] = emitter(light, matrix, unit)
     for i, body in enumerate(scene.bodies):
         around = gltf.containing(scene, body) if body.material.medium else None
-        if body.material.medium and body.material.medium.textured:
-            print(f"{body.name}: textured coefficients are not translated", file=sys.stderr)
         path = os.path.join(folder, f"{i}.ply")
         shape(body, unit).write_ply(path)
         own = {"type": "ply", "filename": path, "face_normals": True, "bsdf": bsdf(body.material, around.material.ior if around else 1.0)}
@@ -137,17 +132,8 @@ def build(scene, width, height, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("input")
-    parser.add_argument("output")
-    parser.add_argument("width", type=int)
-    parser.add_argument("height", type=int)
-    parser.add_argument("--spp", type=int, default=256)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--variant", default="llvm_ad_rgb")
-    args = parser.parse_args()
+    args = common.arguments(__doc__, variant="llvm_ad_rgb")
     mi.set_variant(args.variant)
-    import tempfile
     with tempfile.TemporaryDirectory() as folder:
         scene = build(gltf.load(args.input), args.width, args.height, folder)
         most = max(1, CHUNK // (args.width * args.height))

@@ -7,8 +7,9 @@ from document import inside_out, medium, number, plate, slab, split_vertices, su
 from media import ALBEDO, G, IOR, SIBLING, TAU
 from slabs import CLOSED, HALF_WIDTH, ROUNDING, TABLE, THICKNESS, WHY, absorbed, coefficients, mistakes, stage, tabulated
 
-NO_PRIORITIES = ("Mitsuba 3 and Cycles have no priorities. Mitsuba replaces the medium at each boundary that it meets, so an overlap counts as what "
-                 "was entered last, and reflects at boundaries that should not be there; Cycles adds the coefficients of all volumes around a point.")
+NO_PRIORITIES = ("Mitsuba 3 and Cycles have no priorities. In Mitsuba each surface sets the medium of its own side: an overlap holds what was entered "
+                 "last, and light that leaves one body is in none, though still in the other; surfaces within a medium reflect. Cycles adds the "
+                 "coefficients of all volumes around a point, and its surfaces reflect, too.")
 
 
 def sibling(name, title, text, tests, thickness=THICKNESS, scale=1.0, build=None, **material):
@@ -118,6 +119,8 @@ def layers():
         expect.symptom(seen(other), "the other medium fills the overlap: the order of priorities is turned round")
         expect.symptom(seen((2, 2)), "in the overlap the coefficients are added up")
         expect.symptom(seen((1, 1)), "nothing fills the overlap")
+        expect.symptom([truth.without_priorities(x, y, n) for x, y in zip(a, b)],
+                       "there are no priorities: each surface sets the medium of its own side, so light that leaves one body is in none")
         yield case
     case = stage(Case("nesting", "A medium inside another", ["priority", "Fresnel", "absorption"],
                       "A plate of index 2 lies inside a slab of index 1.33; neither says a priority, so the smaller one fills its place. The "
@@ -139,6 +142,7 @@ def layers():
     expect.symptom(nested(2, 2, truth.fresnel(1.0, 2 / 1.33)), "inside the inner body both media absorb")
     f = truth.fresnel(1.0, 1.33)
     expect.symptom([sum(truth.pile([(f, 1 - f), (0.0, np.exp(-3 * o)), (f, 1 - f)])) for o in outer], "the inner body is not there: the outer one fills its place")
+    case.others = "Cycles adds the coefficients of all volumes around a point, so inside the inner body both absorb."
     yield case
 
 
@@ -177,8 +181,9 @@ def looks():
     expect.symptom([1, 1, 1], "the base color is ignored")
     expect.symptom([f + (1 - f) ** 2 * c * (1 + f) / (1 - f * f) for c in tint], "the base color counts once a way through, not at each crossing")
     expect.symptom(tint, "the base color is shown as it is")
-    expect.symptom(tint**2, "reflections are tinted, too")
+    expect.symptom([c * f + (c * (1 - f)) ** 2 / (1 - c * f) for c in tint], "reflections are tinted, too")
     expect.symptom([f + c * c * (1 - f) ** 2 * (1 + f * c) / (1 - f * f * c * c) for c in tint], "reflections inside are tinted, too")
+    case.others = ("Cycles' glass multiplies by its color what it reflects, too, inside and outside: 0.641, 0.255 and 0.045.")
     yield case
 
     volume = lambda thickness: {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": n},

@@ -158,6 +158,15 @@ class Document:
                      "nodes": [], "meshes": [], "materials": [], "accessors": [], "bufferViews": []}
         self.data = bytearray()
 
+    def refracts(self):
+        """Whether light meets the boundary of a medium of an index other than 1."""
+        def index(extensions):
+            if SUBSURFACE in extensions:
+                return extensions[SUBSURFACE].get("ior", 1.5)
+            inside = extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0) > 0
+            return extensions.get("KHR_materials_ior", {}).get("ior", 1.5) if inside else 1
+        return any(index(material.get("extensions", {})) != 1 for material in self.json["materials"])
+
     def view(self, array, target):
         self.data += b"\0" * (-len(self.data) % 4)
         self.json["bufferViews"].append(

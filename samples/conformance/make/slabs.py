@@ -62,7 +62,6 @@ def mistakes(case, expect, tau, albedo, g, n):
     def seen(tau=tau, albedo=albedo, g=g, n=n, **wrong):
         return np.array([of(case, truth.simulate(t, a, g, n, case.cos, **wrong)) for t, a in zip(tau, albedo)])
 
-    right = np.asarray(expect.mean)
     f = truth.fresnel(case.cos, n) if case.side != "T" else 0.0
     expect.symptom(seen(2 * tau), "coefficients are twice too large (a diameter taken for a radius, or a unit wrong by 2)")
     expect.symptom(seen(tau / 2), "coefficients are half of what they should be")
@@ -80,9 +79,17 @@ def mistakes(case, expect, tau, albedo, g, n):
         expect.symptom(seen(leave=False), "no Fresnel reflection inside: light that meets the boundary from inside leaves, unless it is reflected totally")
         expect.symptom(seen(enter=False), "no Fresnel reflection outside: all light goes in")
         expect.symptom(seen(n=1.0), "the boundary is not there: index 1")
-        expect.symptom(f + (right - f) * n * n, "η² too much: radiance is scaled at one crossing and not scaled back at the other")
-        expect.symptom(f + (right - f) / n**2, "1/η² too much: radiance is scaled at one crossing and not scaled back at the other")
+        unscaled(expect, f, n)
     return expect
+
+
+def unscaled(expect, mirrored, n):
+    """What is seen of light that went in and out if one of the crossings scales radiance wrongly; `mirrored` did not go in."""
+    right = np.asarray(expect.mean)
+    for name, factor in (("η²", n**2), ("1/η²", n**-2)):
+        expect.symptom(mirrored + (right - mirrored) * factor, f"{name} too much: radiance is scaled at one crossing and not scaled back at the other")
+    for name, factor in (("η", n), ("1/η", 1 / n)):
+        expect.symptom(mirrored + (right - mirrored) * factor, f"{name} too much: radiance is scaled by η² at one crossing and by η at the other")
 
 
 def scattering(name, title, tests, text, tau, albedo, g, n, side="R", cos=1.0, spp=1024, sweep=None, **material):
@@ -113,6 +120,7 @@ def absorbed(expect, seen, tau, n, cos):
     f = truth.fresnel(cos, n)
     inside = np.exp(-tau / np.sqrt(1 - (1 - cos**2) / n**2))
     expect.symptom((1 - f) ** 2 * inside + f, "no reflection inside: light leaves at the first crossing")
+    unscaled(expect, f, n)
     if cos != 1:
         straight = np.exp(-tau / cos)
         expect.symptom(f + (1 - f) ** 2 * straight / (1 - f * straight), "no refraction: the way inside runs along the ray outside")

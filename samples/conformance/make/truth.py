@@ -19,6 +19,13 @@ def fresnel(cos_i, n):
     return 0.5 * (s * s + p * p)
 
 
+def square_of_ball(radius, half, n):
+    """Mean reflectance of a ball's surface over the square of half width `half` in its middle, seen along parallel rays."""
+    x = (np.arange(64) + 0.5) / 64 * half
+    cos = np.sqrt(1 - (x[:, None] ** 2 + x[None, :] ** 2) / radius**2)
+    return fresnel(cos, n).mean()
+
+
 def pile(layers):
     """Reflectance and transmittance of layers (R, T) from both sides alike, by adding: light bounces between them.
 
@@ -29,6 +36,26 @@ def pile(layers):
         loop = 1 / (1 - r_bottom * r)
         r_top, r_bottom, t = r_top + t * t * r * loop, r + through * through * r_bottom * loop, t * through * loop
     return r_top, t
+
+
+def without_priorities(tau_upper, tau_lower, n):
+    """What two overlapping slabs show, both sides lit by 1, where each surface sets the medium of its own side: going on
+    from a surface, up or down, reflected or not, light is in the medium that the *same* body has there, or in none.
+
+    Surfaces 0 to 3 from below are those of the lower, upper, lower and upper slab; tau is that of a distance between two.
+    """
+    f = fresnel(1.0, n)
+    behind = {1: (tau_lower, tau_upper, 0, 0), -1: (0, 0, tau_lower, tau_upper)}
+    states = [(surface, way) for surface in range(4) for way in (1, -1)]
+    matrix, right = np.eye(8), np.zeros(8)
+    for row, (surface, way) in enumerate(states):
+        for share, onward in ((1 - f, way), (f, -way)):
+            share *= np.exp(-behind[onward][surface])
+            if 0 <= surface + onward <= 3:
+                matrix[row, states.index((surface + onward, onward))] -= share
+            else:
+                right[row] += share
+    return np.linalg.solve(matrix, right)[states.index((3, -1))]
 
 
 def clear(tau, n, cos_i=1.0, tint=1.0):

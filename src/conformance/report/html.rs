@@ -1,16 +1,15 @@
 //! One page that says what passed, what failed, and what is probably wrong.
 
+use super::hints;
 use super::page::{FOOT, HEAD, READING};
 use super::patterns::{properties, suspects};
 use super::pictures::pictures;
 use super::plot::sweeps;
 use super::{About, counts, digits, escape, put};
-use crate::conformance::{Expectation, Finding, Outcome, Verdict};
+use crate::conformance::{Outcome, Verdict};
 
 /// Suspects that are listed at the top.
 const MOST_SUSPECTS: usize = 6;
-/// Guesses that are shown for one expectation.
-const MOST_GUESSES: usize = 3;
 
 /// The whole page, self-contained.
 pub fn html(about: &About, outcomes: &[Outcome]) -> String {
@@ -75,8 +74,9 @@ fn common(out: &mut String, outcomes: &[Outcome]) {
         out.push_str("</table>\n");
     }
     out.push_str(
-        "<h2>Where failures gather</h2>\n<p class=\"muted small\">Cases by what they depend on: a property whose cases \
-         all fail, while cases without it pass, is the place to look.</p>\n<table>\n",
+        "<h2>Where failures gather</h2>\n<p class=\"muted small\">Cases by what they depend on, \
+         in the order in which that tells failed cases from passed ones: a property whose cases all fail, while cases \
+         without it pass, is the place to look.</p>\n<table>\n",
     );
     for property in properties(outcomes) {
         put(
@@ -145,11 +145,17 @@ fn case(out: &mut String, outcome: &Outcome) {
         put(out, format_args!("<pre>{}</pre>\n", escape(error)));
     }
     for (expectation, finding) in outcome.results() {
-        likely(out, outcome, expectation, finding);
+        hints::likely(out, outcome, expectation, finding);
+    }
+    if outcome.verdict == Verdict::Inconclusive {
+        hints::too_noisy(out, outcome);
     }
     show(out, outcome);
     if !outcome.findings.is_empty() {
         numbers(out, outcome);
+    }
+    if outcome.verdict == Verdict::Failed {
+        hints::mistakes(out, outcome);
     }
     if let Some(text) = &case.same_as {
         put(
@@ -164,22 +170,6 @@ fn case(out: &mut String, outcome: &Outcome) {
         put(out, format_args!("<p class=\"small\"><b>Other renderers:</b> {}</p>\n", escape(text)));
     }
     out.push_str("</article>\n");
-}
-
-/// What is probably wrong with an expectation.
-fn likely(out: &mut String, outcome: &Outcome, expectation: &Expectation, finding: &Finding) {
-    let place = match outcome.case.expectations.len() {
-        1 => String::new(),
-        _ => format!("{}: ", escape(&expectation.name)),
-    };
-    let says: Vec<String> =
-        finding.diagnoses.iter().take(MOST_GUESSES).map(|diagnosis| escape(&diagnosis.says)).collect();
-    if !says.is_empty() {
-        put(
-            out,
-            format_args!("<p class=\"likely\"><b>Probably:</b> {place}{}</p>\n", says.join("; <b>or</b> ")),
-        );
-    }
 }
 
 fn show(out: &mut String, outcome: &Outcome) {

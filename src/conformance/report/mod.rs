@@ -1,5 +1,6 @@
 //! What a run found: as a page for people (`html`), for continuous integration (`junit`), and for programs (`json`).
 
+mod hints;
 mod html;
 mod json;
 mod junit;

@@ -34,7 +34,8 @@ pub(super) fn suspects(outcomes: &[Outcome]) -> Vec<Suspect> {
     suspects
 }
 
-/// Properties with the share of their cases that did not pass, worst first.
+/// Properties with how many of their cases did not pass; first those that tell failures from passes best, by the
+/// correlation φ of "has the property" with "fails". A property that many cases have counts for more than one of a single case.
 pub(super) fn properties(outcomes: &[Outcome]) -> Vec<Property> {
     let mut properties: Vec<Property> = Vec::new();
     for outcome in outcomes {
@@ -49,7 +50,35 @@ pub(super) fn properties(outcomes: &[Outcome]) -> Vec<Property> {
             }
         }
     }
-    let share = |p: &Property| p.wrong as f64 / p.all as f64;
-    properties.sort_by(|a, b| share(b).total_cmp(&share(a)).then(b.wrong.cmp(&a.wrong)));
+    let failed = outcomes.iter().filter(|outcome| outcome.verdict > Verdict::Inconclusive).count();
+    let tells = |p: &Property| correlation([p.wrong, p.all], [failed, outcomes.len()]);
+    properties.sort_by(|a, b| tells(b).total_cmp(&tells(a)).then(b.wrong.cmp(&a.wrong)));
     properties
+}
+
+/// φ of "has the property" with "fails", from −1 to 1: how many fail and how many there are, with the property and in all. 0 where all
+/// cases or none have the property or fail, since then it tells nothing.
+fn correlation([wrong, all]: [usize; 2], [failed, total]: [usize; 2]) -> f64 {
+    let [wrong, all, failed, total] = [wrong, all, failed, total].map(|n| n as f64);
+    let spread = all * (total - all) * failed * (total - failed);
+    if spread > 0.0 { (wrong * total - all * failed) / spread.sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_tells_failures_from_passes_comes_first() {
+        let all = [10, 20];
+        assert_eq!(correlation([10, 10], all), 1.0);
+        assert_eq!(correlation([0, 10], all), -1.0);
+        assert_eq!(correlation([5, 10], all), 0.0);
+        assert!(
+            correlation([9, 10], all) > correlation([1, 1], all),
+            "many of many tell more than one of one"
+        );
+        assert_eq!(correlation([10, 20], all), 0.0);
+        assert_eq!(correlation([3, 3], [20, 20]), 0.0);
+    }
 }
