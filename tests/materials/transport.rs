@@ -120,7 +120,7 @@ fn prisms_turn_wavelengths_as_cauchy_says() {
     let turn_at = |x: usize| ((x as f64 + 0.5) / WIDTH as f64 - 0.5) * 360.0 - 90.0;
     let ramp = |degrees: f64| ((degrees - first) / (last - first)).clamp(0.0, 1.0);
     let row: Vec<Vec3> = (0..WIDTH)
-        .map(|x| turn_at(x))
+        .map(turn_at)
         .map(|turn| Vec3::splat(if turn < last + 1.0 && turn > 0.0 { ramp(turn) as f32 } else { 0.0 }))
         .collect();
     let pixels = row.repeat(4);

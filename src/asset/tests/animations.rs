@@ -195,9 +195,10 @@ fn pointers_reach_materials_lights_cameras_and_nodes() {
     let plain = b.json["animations"][0]["samplers"][0]["output"].clone();
     b.json["animations"][0]["samplers"][0]["output"] = json!(b.floats("SCALAR", &[1.0, 2.0]));
     assert_eq!(scalar(&mut b, ior).materials[0].ior, 1.25);
-    b.json["materials"][0]["extensions"]["KHR_materials_ior"] = json!({"ior": 0});
+    let media = b.json["materials"].clone();
+    b.json["materials"] = json!([{"extensions": {"KHR_materials_ior": {"ior": 0}}}]);
     assert!(scalar(&mut b, ior).materials[0].ior > 1e3, "an infinite index stays infinite");
-    b.json["materials"][0]["extensions"]["KHR_materials_ior"] = json!({});
+    b.json["materials"] = media;
     b.json["animations"][0]["samplers"][0]["output"] = plain;
     let intensity = "/extensions/KHR_lights_punctual/lights/0/intensity";
     assert_eq!(scalar(&mut b, intensity).lights[0].intensity, Vec3::splat(0.25));
