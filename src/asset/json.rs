@@ -32,7 +32,10 @@ impl<'a> Json<'a> {
 
     /// JSON pointer of a property of this value, present or not.
     pub fn pointer_to(&self, key: &str) -> String {
-        format!("{}/{}", self.pointer, key.replace('~', "~0").replace('/', "~1"))
+        if key.contains(['~', '/']) {
+            return format!("{}/{}", self.pointer, key.replace('~', "~0").replace('/', "~1"));
+        }
+        format!("{}/{key}", self.pointer)
     }
 
     /// An error about this value.
@@ -192,6 +195,8 @@ impl<'a> Json<'a> {
 
     /// The extension object `name` of this object, if present.
     pub fn extension(&self, name: &str) -> Option<Json<'a>> {
+        // Most are absent, which is known before any pointer is made.
+        self.value.get("extensions")?.get(name)?;
         self.get("extensions")?.get(name)
     }
 

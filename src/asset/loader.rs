@@ -46,6 +46,8 @@ pub struct Loader<'a> {
     pub(crate) parents: Option<Vec<Option<usize>>>,
     pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
+    /// Meshes of the scene with the bits of the transforms of their instances.
+    pub(crate) placed: HashSet<(usize, [u32; 12])>,
     pub(crate) totals: Totals,
     /// The variant of KHR_materials_variants that is shown, if one was chosen.
     pub(crate) chosen_variant: Option<usize>,
@@ -65,6 +67,8 @@ pub(crate) struct Totals {
     pub file_bytes: u64,
     pub pose_elements: u64,
     pub collapsed: usize,
+    pub repeated_primitives: usize,
+    pub repeated_objects: usize,
 }
 
 impl<'a> Loader<'a> {
@@ -86,6 +90,7 @@ impl<'a> Loader<'a> {
             parents: None,
             declared: HashSet::new(),
             bounds: HashMap::new(),
+            placed: HashSet::new(),
             totals: Totals::default(),
             chosen_variant: None,
             scene: SceneDescription::default(),

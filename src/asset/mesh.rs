@@ -2,7 +2,9 @@
 //!
 //! Positions that cannot be placed are dropped with their triangles. Triangles with two corners at the same place go
 //! too: they have no area, and their edges cancel, so a closed mesh stays closed; thin ones stay, since closedness may
-//! hang on them. Where only some primitives have normals the others get flat ones of their own.
+//! hang on them. A primitive that repeats another word by word goes, too. Where only some primitives have normals the others get flat ones of their own.
+
+use std::collections::HashSet;
 
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
@@ -38,7 +40,12 @@ impl Loader<'_> {
         if list.is_empty() {
             self.invalid(json.pointer(), "has no primitives")?;
         }
+        let mut known = HashSet::new();
         for primitive in list {
+            if !known.insert(primitive.value().to_string()) {
+                self.totals.repeated_primitives += 1;
+                continue;
+            }
             if let Some(mut read) = self.primitive(&primitive, pose.is_skinned())? {
                 self.morph(&mut read, &primitive, pose)?;
                 self.skinned(&mut read, &primitive, pose)?;

@@ -238,6 +238,19 @@ impl<'a> Loader<'a> {
         if collapsed > 0 {
             self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
         }
+        let loader::Totals { repeated_primitives, repeated_objects, .. } = self.totals;
+        if repeated_primitives > 0 {
+            let message = format!(
+                "{repeated_primitives} primitives are left out: each repeats another one of its mesh"
+            );
+            self.warn("/meshes", message, None);
+        }
+        if repeated_objects > 0 {
+            let message = format!(
+                "{repeated_objects} objects are left out: each is in the very place of another one of its mesh"
+            );
+            self.warn("/nodes", message, None);
+        }
         if self.count("animations") > 0 && !played {
             self.note("/animations", "animations are not played; the scene is shown as it is at rest");
         }

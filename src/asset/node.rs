@@ -35,36 +35,42 @@ enum Visit {
 }
 
 enum Step {
-    Enter { node: usize, parent: DAffine3, from: Option<(usize, usize)> },
+    Enter { node: usize, parent: DAffine3, hidden: bool, from: Option<(usize, usize)> },
     Leave(usize),
 }
 
 impl Loader<'_> {
     /// Reads the nodes below `roots` (with the pointers that name them) into the scene.
     pub(crate) fn nodes(&mut self, roots: Vec<(usize, String)>) -> Result<(), AssetError> {
-        let shown = self.traverse(roots)?;
+        let nodes = self.traverse(roots)?;
         self.worlds = vec![None; self.count("nodes")];
-        for node in &shown {
+        for (node, _) in &nodes {
             self.worlds[node.index] = Some(node.world);
         }
-        for node in &shown {
-            self.contents(node)?;
+        for (node, hidden) in &nodes {
+            if *hidden {
+                // What is hidden may still be seen from.
+                self.camera_of(&self.entry("nodes", node.index, &node.pointer)?, node)?;
+            } else {
+                self.contents(node)?;
+            }
         }
         Ok(())
     }
 
-    /// The nodes that the scene shows, parents before children, in the order of the file.
-    fn traverse(&mut self, roots: Vec<(usize, String)>) -> Result<Vec<NodeContext>, AssetError> {
+    /// The nodes of the scene, parents before children, in the order of the file, and whether each is hidden.
+    fn traverse(&mut self, roots: Vec<(usize, String)>) -> Result<Vec<(NodeContext, bool)>, AssetError> {
         let limit = self.options.limits.nodes;
         let count = self.count("nodes");
         Self::within(count as u64, limit, "/nodes", "the hierarchy, in nodes,", "nodes")?;
         let mut visits = vec![Visit::Unseen; count];
-        let mut shown = Vec::new();
+        let mut nodes = Vec::new();
         for (root, root_from) in roots {
-            let mut stack = vec![Step::Enter { node: root, parent: DAffine3::IDENTITY, from: None }];
+            let mut stack =
+                vec![Step::Enter { node: root, parent: DAffine3::IDENTITY, hidden: false, from: None }];
             while let Some(step) = stack.pop() {
-                let (node, parent, from) = match step {
-                    Step::Enter { node, parent, from } => (node, parent, from),
+                let (node, parent, hidden, from) = match step {
+                    Step::Enter { node, parent, hidden, from } => (node, parent, hidden, from),
                     Step::Leave(node) => {
                         visits[node] = Visit::Done;
                         continue;
@@ -88,25 +94,24 @@ impl Loader<'_> {
                 let json = self.entry("nodes", node, &from())?;
                 visits[node] = Visit::Open;
                 stack.push(Step::Leave(node));
-                if !self.is_visible(&json)? {
-                    continue;
-                }
+                let hidden = hidden || !self.is_visible(&json)?;
                 let world = parent * self.local(&json)?;
-                shown.push(NodeContext {
+                let context = NodeContext {
                     index: node,
                     name: json.name_or(|| format!("node {node}")),
                     pointer: json.pointer().to_owned(),
                     world,
-                });
+                };
+                nodes.push((context, hidden));
                 let first = stack.len();
                 for (place, child) in json.array("children")?.into_iter().enumerate() {
                     let from = Some((node, place));
-                    stack.push(Step::Enter { node: child.as_usize()?, parent: world, from });
+                    stack.push(Step::Enter { node: child.as_usize()?, parent: world, hidden, from });
                 }
                 stack[first..].reverse();
             }
         }
-        Ok(shown)
+        Ok(nodes)
     }
 
     fn is_visible(&mut self, json: &Json<'_>) -> Result<bool, AssetError> {
@@ -145,9 +150,7 @@ impl Loader<'_> {
                 }
             }
         }
-        if let Some(camera) = json.usize("camera")? {
-            self.camera(camera, node)?;
-        }
+        self.camera_of(&json, node)?;
         for extension in registry.iter() {
             if let Some(own) = own(extension) {
                 own.as_object()?;
@@ -155,6 +158,10 @@ impl Loader<'_> {
             }
         }
         Ok(())
+    }
+
+    fn camera_of(&mut self, json: &Json<'_>, node: &NodeContext) -> Result<(), AssetError> {
+        json.usize("camera")?.map_or(Ok(()), |camera| self.camera(camera, node))
     }
 
     /// The node's own transform.

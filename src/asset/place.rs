@@ -1,7 +1,8 @@
 //! Instances: a mesh at a node, if its transform leaves something of it.
 //!
 //! A transform without an inverse flattens a mesh; the flat mesh is baked, since instances must be invertible. What
-//! reaches beyond [`FARTHEST`] is left out, since single precision cannot square it and go on.
+//! reaches beyond [`FARTHEST`] is left out, since single precision cannot square it and go on. So is an object in the very
+//! place of another one of the same mesh: it cannot be seen, and a ray that meets a million of them would meet them all.
 
 use glam::{Affine3A, BVec3, DAffine3, DVec3, Vec3};
 
@@ -41,6 +42,10 @@ impl Loader<'_> {
             self.warn(&node.pointer, "the scale of the object flattens it", None);
             (flat, Affine3A::IDENTITY)
         };
+        if !self.placed.insert((mesh, transform.to_cols_array().map(f32::to_bits))) {
+            self.totals.repeated_objects += 1;
+            return Ok(());
+        }
         self.scene.instances.push(InstanceDescription {
             name: node.name.clone(),
             pointer: node.pointer.clone(),

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::message::Reporter;
 use super::names;
-use super::pipeline::{Asset, Moment};
+use super::pipeline::{Asset, Moment, Shutter};
 
 /// Which animations play, and when.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -77,6 +77,28 @@ impl PlayArgs {
     }
 }
 
+/// Whether what moves is blurred.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct ShutterArgs {
+    /// Leave the shutter open, so that what moves is blurred: from --at on for so many seconds, or from OPEN to CLOSE
+    /// seconds after it
+    #[arg(long, value_name = "SECONDS|OPEN,CLOSE", value_parser = shutter, allow_hyphen_values = true)]
+    pub shutter: Option<[f64; 2]>,
+
+    /// Moments that an open shutter sees, at most one a sample; each is a scene to build
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub shutter_slices: u32,
+}
+
+impl ShutterArgs {
+    /// The shutter, if it is open while something may move; times of the moment count from its opening.
+    pub fn at(&self, moment: &Moment) -> Option<Shutter> {
+        let [open, close] = self.shutter.filter(|_| !moment.animations.is_empty())?;
+        let close = moment.time + (close - open);
+        Some(Shutter { open: moment.time, close, slices: self.shutter_slices })
+    }
+}
+
 /// A time in seconds.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
@@ -86,7 +108,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// When a shutter opens and closes, in seconds after the moment of the picture.
-pub(super) fn shutter(text: &str) -> Result<[f64; 2], String> {
+fn shutter(text: &str) -> Result<[f64; 2], String> {
     let times = text.split(',').map(|part| seconds(part.trim())).collect::<Result<Vec<f64>, _>>();
     match times.ok().as_deref() {
         Some(&[duration]) if duration >= 0.0 => Ok([0.0, duration]),

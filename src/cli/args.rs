@@ -1,7 +1,7 @@
 //! What can be typed. Values are checked one by one in [`super::values`]; what they mean together is decided in
 //! [`super::job`].
 
-use super::animation::{PlayArgs, shutter};
+use super::animation::{PlayArgs, ShutterArgs};
 use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
 use super::conformance_args::ConformanceArgs;
 use super::pipeline::{Cosines, Microfacet};
@@ -162,14 +162,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
     pub subsurface: String,
 
-    /// Leave the shutter open, so that what moves is blurred: from --at on for so many seconds, or from OPEN to CLOSE
-    /// seconds after it
-    #[arg(long, value_name = "SECONDS|OPEN,CLOSE", value_parser = shutter, allow_hyphen_values = true)]
-    pub shutter: Option<[f64; 2]>,
-
-    /// Moments that an open shutter sees, at most one a sample; each is a scene to build
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
-    pub shutter_slices: u32,
+    #[command(flatten)]
+    pub blur: ShutterArgs,
 
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -214,6 +208,9 @@ pub(super) struct CompareArgs {
     /// Size of each picture in pixels; by default the longest side is 480, with the camera's own aspect ratio or 4:3
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(u32, u32)>,
+
+    #[command(flatten)]
+    pub blur: ShutterArgs,
 
     #[command(flatten)]
     pub scene: SceneArgs,

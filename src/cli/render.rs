@@ -5,7 +5,7 @@ use super::args::RenderArgs;
 use super::interrupt;
 use super::job::{RenderJob, cannot_write, file_name, write_text};
 use super::message::Reporter;
-use super::pipeline::{self, RenderOptions, Rendered, Shutter};
+use super::pipeline::{self, RenderOptions, Rendered};
 use super::progress::Progress;
 use super::setup::{Prepared, Size, report_counters};
 use super::stats::{Work, peak_memory_bytes};
@@ -25,20 +25,14 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let reporter = Reporter::new(args.quiet);
     let progress = Progress::new(args.quiet);
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
-    let mut prepared = Prepared::new(args, size, job.args.shutter, &reporter, &progress)?;
+    let mut prepared = Prepared::new(args, size, &job.args.blur, &reporter, &progress)?;
     let mut options = prepared.options(args, job.args.spp, &job.args.subsurface);
     options.transparent = job.args.transparent_background;
     say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
     let models = pipeline::models(args.brdf_cosines);
 
     progress.rendering();
-    let (rendered, work) = Work::of(|| match shutter(&job, &prepared) {
-        None => pipeline::render(&prepared.scene, &options, &models, &progress),
-        Some(shutter) => {
-            let pose = |time| prepared.at(time, args);
-            pipeline::render_shutter(&shutter, &options, &models, &progress, pose)
-        }
-    });
+    let (rendered, work) = Work::of(|| prepared.render(args, &options, &models, &progress));
     progress.clear();
     let rendered = rendered?;
     let interrupted = rendered.spp < options.spp;
@@ -96,14 +90,6 @@ fn say_what_cannot_be_seen(
     }
 }
 
-/// The shutter, if it is open while something may move.
-fn shutter(job: &RenderJob, prepared: &Prepared) -> Option<Shutter> {
-    let [open, close] = job.args.shutter.filter(|_| !prepared.moment.animations.is_empty())?;
-    // The moment of the scene is that of the opening.
-    let time = prepared.moment.time;
-    Some(Shutter { open: time, close: time + (close - open), slices: job.args.shutter_slices })
-}
-
 fn write_pictures(
     job: &RenderJob,
     rendered: &Rendered,
@@ -144,10 +130,6 @@ fn attributes(
     recorded["subsurface"] = json!(options.subsurface);
     if options.transparent {
         recorded["transparent_background"] = json!(true);
-    }
-    if let Some(shutter) = shutter(job, prepared) {
-        recorded["shutter"] = json!([shutter.open, shutter.close]);
-        recorded["shutter_slices"] = json!(shutter.slices);
     }
     if !format.is_linear() {
         recorded["tonemap"] = json!(args.tonemap.name());

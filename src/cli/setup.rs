@@ -1,12 +1,16 @@
 //! From the options of a scene to a scene that can be rendered: what all commands that render begin with.
 
 use super::Failure;
+use super::animation::ShutterArgs;
 use super::args::SceneArgs;
 use super::interrupt;
 use super::job::file_name;
 use super::message::Reporter;
 use super::names;
-use super::pipeline::{self, Asset, Cosines, Microfacet, Moment, RenderOptions, RenderStats, Scene};
+use super::pipeline::{
+    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, RenderStats, Rendered,
+    Scene, Shutter,
+};
 use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::{EnvArg, GroundArg};
@@ -42,7 +46,9 @@ pub(super) struct Prepared {
     pub environment: String,
     /// The file, for other moments.
     asset: Asset,
-    pub moment: Moment,
+    moment: Moment,
+    /// If it is open while something may move; then the moment is that of its opening.
+    shutter: Option<Shutter>,
     pub load_seconds: f64,
     pub build_seconds: f64,
 }
@@ -52,7 +58,7 @@ impl Prepared {
     pub fn new(
         args: &SceneArgs,
         size: Size,
-        shutter: Option<[f64; 2]>,
+        blur: &ShutterArgs,
         reporter: &Reporter,
         progress: &Progress,
     ) -> Result<Self, Failure> {
@@ -62,8 +68,8 @@ impl Prepared {
         let asset = pipeline::open(&args.load, args.scene, args.variant.as_deref(), args.strict);
         progress.clear();
         let mut asset = asset?;
-        let mut moment = args.play.moment(&asset, shutter.is_some(), reporter)?;
-        moment.time += shutter.map_or(0.0, |[open, _]| open);
+        let mut moment = args.play.moment(&asset, blur.shutter.is_some(), reporter)?;
+        moment.time += blur.shutter.map_or(0.0, |[open, _]| open);
         progress.phase(&loading);
         let loaded = pipeline::load(&args.load.input, &mut asset, &moment);
         progress.clear();
@@ -98,15 +104,33 @@ impl Prepared {
             bounds,
             environment,
             asset,
+            shutter: blur.at(&moment),
             moment,
             load_seconds,
             build_seconds,
         })
     }
 
+    /// Renders a picture, or a mean of pictures while the shutter is open.
+    pub fn render(
+        &mut self,
+        args: &SceneArgs,
+        options: &RenderOptions,
+        models: &Registry,
+        control: &dyn RenderControl,
+    ) -> Result<Rendered, Failure> {
+        match self.shutter {
+            None => pipeline::render(&self.scene, options, models, control),
+            Some(shutter) => {
+                let pose = |time| self.at(time, args);
+                pipeline::render_shutter(&shutter, options, models, control, pose)
+            }
+        }
+    }
+
     /// The scene and the camera at another moment, under the light and on the ground of this one. A camera that frames the
     /// scene stays where it is, and so does one that is not there at that moment.
-    pub fn at(&mut self, time: f64, args: &SceneArgs) -> Result<(Scene, CameraDescription), Failure> {
+    fn at(&mut self, time: f64, args: &SceneArgs) -> Result<(Scene, CameraDescription), Failure> {
         let moment = Moment { time, ..self.moment.clone() };
         let mut description = pipeline::load(&args.load.input, &mut self.asset, &moment)?.scene;
         let camera = choose_camera(args.camera.as_deref(), &description).ok().flatten().cloned();
@@ -170,6 +194,10 @@ impl Prepared {
         if !self.moment.animations.is_empty() {
             recorded["animations"] = json!(self.moment.animations);
             recorded["at"] = json!(args.play.at.unwrap_or(0.0));
+        }
+        if let Some(shutter) = self.shutter {
+            recorded["shutter"] = json!([shutter.open, shutter.close]);
+            recorded["shutter_slices"] = json!(shutter.slices);
         }
         recorded
     }

@@ -1,6 +1,6 @@
-//! `KHR_materials_ior`: the index of refraction of the boundary.
+//! `KHR_materials_ior`: the index of refraction of the boundary. Zero stands for an infinite one, which does not disperse.
 
-use super::Extension;
+use super::{Extension, order};
 use crate::asset::{AssetError, Json, Loader};
 use crate::scene::MaterialDescription;
 
@@ -16,6 +16,11 @@ impl Extension for Ior {
         NAME
     }
 
+    /// After `KHR_materials_dispersion`.
+    fn order(&self) -> i32 {
+        order::SURFACE + 1
+    }
+
     fn material(
         &self,
         loader: &mut Loader<'_>,
@@ -25,7 +30,12 @@ impl Extension for Ior {
     ) -> Result<(), AssetError> {
         match own.f64("ior")? {
             None => {}
-            Some(0.0) => out.ior = MIRROR_IOR,
+            Some(0.0) => {
+                out.ior = MIRROR_IOR;
+                if let Some(layers) = &mut out.layers {
+                    layers.dispersion = 0.0;
+                }
+            }
             Some(ior) if ior >= 1.0 => out.ior = (ior as f32).min(MIRROR_IOR),
             Some(ior) => {
                 loader.invalid(

@@ -93,6 +93,17 @@ fn a_leaf_with_a_volume_does_not_refract_and_thin_walls_scatter_at_the_surface()
     assert_eq!((thin.strength, thin.color, thin.anisotropy), (0.5, Vec3::new(1.0, 0.5, 0.25), -1.0));
 }
 
+/// KHR_materials_ior: an index of zero is infinite, and does not disperse.
+#[test]
+fn an_infinite_index_does_not_disperse() {
+    let glass = |ior: f64| {
+        let all =
+            loaded(json!({"KHR_materials_ior": {"ior": ior}, "KHR_materials_dispersion": {"dispersion": 1}}));
+        first(&all).dispersion()
+    };
+    assert_eq!([1.5, 0.0].map(glass), [1.0, 0.0]);
+}
+
 #[test]
 fn variants_replace_materials() {
     let mut b = Builder::with_material(json!({"name": "own"}));

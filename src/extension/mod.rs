@@ -206,7 +206,7 @@ pub trait Extension: Send + Sync {
         Ok(None)
     }
 
-    /// Whether a node and everything below it is part of the picture.
+    /// Whether a node and everything below it is part of the picture. Cameras are there all the same.
     ///
     /// # Errors
     /// Where the extension's content makes no sense.

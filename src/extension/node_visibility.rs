@@ -1,4 +1,4 @@
-//! `KHR_node_visibility`: hides a node and everything below it.
+//! `KHR_node_visibility`: hides a node and everything below it, save cameras.
 
 use super::Extension;
 use crate::asset::{AssetError, Json, Loader};

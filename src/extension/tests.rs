@@ -281,9 +281,11 @@ fn instancing_and_visibility() {
         {"mesh": 0, "scale": [2, 2, 2], "children": [1],
          "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": moved}}}},
         {"children": [2], "extensions": {"KHR_node_visibility": {"visible": false}}},
-        {"mesh": 0},
+        {"mesh": 0, "camera": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
     ]);
+    b.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}));
     let scene = b.loaded().scene;
+    assert_eq!(scene.cameras.len(), 1, "cameras are not hidden");
     let places: Vec<Vec3> = scene.instances.iter().map(|i| i.transform.translation.into()).collect();
     assert_eq!(places, [Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)]);
 }

@@ -65,8 +65,7 @@ impl Reflectance {
         let plain = self.plain(c);
         match &self.film {
             None => plain,
-            // A weaker reflection (KHR_materials_specular) is weaker with a film, too.
-            Some((share, film, _)) => plain + *share * (film.reflectance(c) * self.f90 - plain),
+            Some((share, film, _)) => plain + *share * (film.reflectance(c) - plain),
         }
     }
 
@@ -87,7 +86,7 @@ impl Reflectance {
             None => plain,
             Some((share, film, _)) => {
                 let c = 1.0 - (d.schlick / kept.max(1e-6)).clamp(0.0, 1.0).powf(0.2);
-                plain + *share * (kept * film.reflectance(c) * self.f90 - plain)
+                plain + *share * (kept * film.reflectance(c) - plain)
             }
         }
     }

@@ -86,10 +86,9 @@ impl Substrate {
     pub fn new(p: &SubstrateParameters) -> Self {
         let base = p.plain.base_color.clamp(Vec3::ZERO, Vec3::ONE);
         let normal = if p.plain.ior == 0.0 { 1.0 } else { f0_from_eta(p.plain.ior) };
-        let color = (normal * p.plain.specular_color).min(Vec3::ONE);
+        let f0 = (normal * p.plain.specular_color).min(Vec3::ONE) * p.plain.specular;
         let film = |f0| p.film.map(|(_, ior, thickness)| ThinFilm::new(ior, thickness, f0));
         let share = p.film.map_or(0.0, |f| f.0);
-        let specular = p.plain.specular;
         let (d, d_color) = p.diffuse_transmission;
         let (s, s_color, forward) = p.scatter;
         let t = p.plain.transmission;
@@ -97,7 +96,7 @@ impl Substrate {
         Self::of(Ingredients {
             metallic: p.plain.metallic,
             metal: Reflectance::schlick(base, 1.0).with_film(share, film(base)),
-            dielectric: Reflectance::schlick(color * specular, specular).with_film(share, film(color)),
+            dielectric: Reflectance::schlick(f0, p.plain.specular).with_film(share, film(f0)),
             facets: p.facets,
             diffuse: base * ((1.0 - t) * (1.0 - d)) + scattered * (1.0 - forward),
             through: d_color * ((1.0 - t) * d) + scattered * forward,

@@ -38,7 +38,7 @@ impl TopTable {
     /// Tabulates `albedo`, a function of the cosine.
     pub(super) fn new(mut albedo: impl FnMut(f32) -> f32) -> Self {
         let mu = |i: usize| i as f32 / CELLS as f32;
-        let albedo: [f32; CELLS + 1] = std::array::from_fn(|i| albedo(mu(i)).clamp(0.0, 1.0));
+        let albedo: [f32; CELLS + 1] = std::array::from_fn(|i| albedo(mu(i)).max(0.0));
         let mut cumulative = 0.0;
         let mut residue = [0.0; CELLS + 1];
         let cell = |f: &[f32; CELLS + 1], i: usize| {

@@ -7,7 +7,7 @@
 //! F' = s (F0 color + (1 − F0 color) w),      F' = 1 under total internal reflection,
 //! ```
 //!
-//! blended with a film's reflectance at the same angle outside. Directions are those of the bare dielectric. F' depends on
+//! blended with the reflectance of a film on a base of s F0 color, at the same angle outside. Directions are those of the bare dielectric. F' depends on
 //! the facet alone, whichever side the light comes from, so the boundary is reciprocal, and what is not reflected crosses.
 //! Light lost by masking comes back by the tables of the bare boundary (`docs/boundary.md` §5), weighed as they are: exact where F' = F.
 
@@ -72,9 +72,9 @@ impl TreatedBoundary {
         self.facets.tangent = tangent;
     }
 
-    /// F0 with the colour of KHR_materials_specular: what a film lies on.
+    /// F0 with the factor and colour of KHR_materials_specular: what a film lies on.
     pub fn f0(&self) -> Vec3 {
-        self.f0
+        self.strength * self.f0
     }
 
     /// Index at z < 0 over index at z > 0.
@@ -108,7 +108,7 @@ impl TreatedBoundary {
         let mut reflected = self.strength * (self.f0 + (Vec3::ONE - self.f0) * w);
         if let Some((share, film)) = &self.film {
             let cos_outside = if outside { c } else { (g * self.eta).min(1.0) };
-            reflected += *share * (film.reflectance(cos_outside) * self.strength - reflected);
+            reflected += *share * (film.reflectance(cos_outside) - reflected);
         }
         let p = (reflected.element_sum() * (1.0 / 3.0)).clamp(0.0, 1.0);
         // Both ways stay possible, since channels differ.

@@ -123,3 +123,24 @@ fn an_open_shutter_blurs_what_moves_and_nothing_else() {
         assert!((a - b).abs() < 1e-6, "{a} is not {b}");
     }
 }
+
+/// The mean of the reference of a comparison is the integral over time, as the picture of `render` is.
+#[test]
+fn models_are_compared_with_an_open_shutter() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", moving());
+    let compare = |more: &[&str]| {
+        let base = ["compare-models", "a.gltf", "-o", "s.png", "--size", "32x32", "--env", "none"];
+        let all = [&base[..], &["--models", "random-walk", "--spp", "32"], more].concat();
+        sandbox.run(&all).exits(0);
+        let json = std::fs::read(sandbox.path("s.json")).expect("numbers");
+        serde_json::from_slice::<Value>(&json).expect("JSON")
+    };
+    let mean = |json: &Value| json["reference"]["mean"][0].as_f64().expect("a mean");
+    assert!((mean(&compare(&[])) - 0.5).abs() < 0.004, "at rest");
+    // As in the test above, with twice as many moments in the two halves of the reference.
+    let blurred = compare(&["--shutter", "1"]);
+    assert!((mean(&blurred) - 0.25).abs() < 0.03, "{}", mean(&blurred));
+    assert_eq!(blurred["options"]["shutter"], json!([0.0, 1.0]));
+    assert_eq!(blurred["options"]["shutter_slices"], 16);
+}

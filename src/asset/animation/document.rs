@@ -24,6 +24,9 @@ fn write(document: &mut Value, edit: &Edit, defaults: Vec<Value>) -> Option<()> 
     if path.first()? == "nodes" && depth == 2 && around.contains_key("matrix") {
         take_apart(around);
     }
+    if is_infinite_index(path, around) {
+        return None;
+    }
     let number = |v: &f64| Number::from_f64(*v).map_or(Value::Null, Value::Number);
     match property.kind {
         PropertyKind::Bool => around.insert(leaf.clone(), Value::Bool(*values.first()? != 0.0)),
@@ -40,6 +43,12 @@ fn write(document: &mut Value, edit: &Edit, defaults: Vec<Value>) -> Option<()> 
         _ => around.insert(leaf.clone(), Value::Array(values.iter().map(number).collect())),
     };
     Some(())
+}
+
+/// KHR_materials_ior: an index of zero, the mode of specular-glossiness, stays what it is.
+fn is_infinite_index(path: &[String], around: &Map<String, Value>) -> bool {
+    path.ends_with(&["KHR_materials_ior".to_owned(), "ior".to_owned()])
+        && around.get("ior").and_then(Value::as_f64) == Some(0.0)
 }
 
 /// The weights that a node without any takes from its mesh.

@@ -180,7 +180,7 @@ fn pointers_reach_materials_lights_cameras_and_nodes() {
     b.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}]);
     b.json["nodes"] = json!([
         {"mesh": 0, "camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}, "children": [1]},
-        {"mesh": 0, "extensions": {"KHR_node_visibility": {}}},
+        {"mesh": 0, "translation": [1, 0, 0], "extensions": {"KHR_node_visibility": {}}},
     ]);
     let scalar = |b: &mut Builder, pointer: &str| {
         point(b, pointer);
@@ -191,6 +191,15 @@ fn pointers_reach_materials_lights_cameras_and_nodes() {
     };
     let roughness = "/materials/0/pbrMetallicRoughness/roughnessFactor";
     assert_eq!(scalar(&mut b, roughness).materials[0].roughness, 0.25);
+    let ior = "/materials/0/extensions/KHR_materials_ior/ior";
+    let plain = b.json["animations"][0]["samplers"][0]["output"].clone();
+    b.json["animations"][0]["samplers"][0]["output"] = json!(b.floats("SCALAR", &[1.0, 2.0]));
+    assert_eq!(scalar(&mut b, ior).materials[0].ior, 1.25);
+    let media = b.json["materials"].clone();
+    b.json["materials"] = json!([{"extensions": {"KHR_materials_ior": {"ior": 0}}}]);
+    assert!(scalar(&mut b, ior).materials[0].ior > 1e3, "an infinite index stays infinite");
+    b.json["materials"] = media;
+    b.json["animations"][0]["samplers"][0]["output"] = plain;
     let intensity = "/extensions/KHR_lights_punctual/lights/0/intensity";
     assert_eq!(scalar(&mut b, intensity).lights[0].intensity, Vec3::splat(0.25));
     let projection = scalar(&mut b, "/cameras/0/perspective/yfov").cameras[0].projection;

@@ -32,9 +32,24 @@ fn one_mesh_many_instances() {
 }
 
 #[test]
+fn what_lies_in_the_place_of_another_is_left_out() {
+    let mut b = Builder::triangle();
+    let primitive = b.json["meshes"][0]["primitives"][0].clone();
+    b.json["meshes"][0]["primitives"] = json!(vec![primitive; 50_000]);
+    b.json["nodes"] = json!(vec![json!({"mesh": 0}); 100_000]);
+    b.json["scenes"] = json!([{"nodes": (0..100_000).collect::<Vec<_>>()}]);
+    let loaded = b.loaded();
+    assert_eq!((loaded.scene.instances.len(), loaded.scene.meshes[0].triangles.len()), (1, 1));
+    for (pointer, count) in [("/meshes", "49999 primitives"), ("/nodes", "99999 objects")] {
+        let told = loaded.diagnostics.iter().find(|d| d.pointer == pointer).expect("a warning");
+        assert!(told.severity == Severity::Warning && told.message.starts_with(count), "{told:?}");
+    }
+}
+
+#[test]
 fn the_right_scene_is_shown() {
     let mut b = Builder::triangle();
-    b.json["nodes"] = json!([{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b"}]);
+    b.json["nodes"] = json!([{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "scale": [2, 2, 2]}]);
     b.json["scenes"] = json!([{"nodes": [0]}, {"nodes": [1]}]);
     let shown = |b: &Builder, scene| {
         let options = LoadOptions { scene, ..LoadOptions::default() };

@@ -62,7 +62,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     let reporter = Reporter::new(args.scene.quiet);
     let progress = Progress::new(args.scene.quiet);
     let size = Size { asked: args.size, longest_side: LONGEST_SIDE };
-    let prepared = Prepared::new(&args.scene, size, None, &reporter, &progress)?;
+    let mut prepared = Prepared::new(&args.scene, size, &args.blur, &reporter, &progress)?;
     let models = pipeline::models(args.scene.brdf_cosines);
     let names = chosen(&args.models, &models);
     check_sheet(names.len() + 1, &prepared)?;
@@ -70,7 +70,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
         reporter.warning("nothing in the scene has a medium below its surface: all models are the same");
     }
 
-    let bench = Bench::new(&args, &prepared, &models, &reporter, &progress, names.len());
+    let mut bench = Bench::new(&args, &mut prepared, &models, &reporter, &progress, names.len());
     progress.rendering();
     let found = bench.run(&names);
     progress.clear();
@@ -155,7 +155,7 @@ fn check_sheet(cells: usize, prepared: &Prepared) -> Result<(), Failure> {
 /// Renders models, one after the other.
 struct Bench<'a> {
     args: &'a CompareArgs,
-    prepared: &'a Prepared,
+    prepared: &'a mut Prepared,
     models: &'a Registry,
     reporter: &'a Reporter,
     progress: &'a Progress,
@@ -168,7 +168,7 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     fn new(
         args: &'a CompareArgs,
-        prepared: &'a Prepared,
+        prepared: &'a mut Prepared,
         models: &'a Registry,
         reporter: &'a Reporter,
         progress: &'a Progress,
@@ -182,7 +182,7 @@ impl<'a> Bench<'a> {
     }
 
     /// What is finished when all is done or somebody interrupts; `None` without a reference.
-    fn run(&self, names: &[String]) -> Result<Option<Results>, Failure> {
+    fn run(&mut self, names: &[String]) -> Result<Option<Results>, Failure> {
         let mut done = 0;
         let Some((reference, exact)) =
             self.render(REFERENCE, "reference", self.halves[1], "reference", &mut done)?
@@ -205,22 +205,22 @@ impl<'a> Bench<'a> {
     /// Renders both halves of one model, `as_seed` telling it from other renders of the same; `None` if that was
     /// interrupted.
     fn render(
-        &self,
+        &mut self,
         name: &str,
         as_seed: &str,
         spp: u32,
         label: &str,
         done: &mut u64,
     ) -> Result<Option<(Entry, Halves)>, Failure> {
-        let Self { args, prepared, models, .. } = self;
+        let Self { args, prepared, models, progress, .. } = self;
         let pixels = u64::from(prepared.width) * u64::from(prepared.height);
         let mut options = prepared.options(&args.scene, spp, name);
         let mut films = Vec::new();
         let (rendered, work) = Work::of(|| {
             for half in 0..2 {
                 options.seed = seed_of(as_seed, half, args.scene.seed);
-                let part = self.progress.part(label, *done, self.total);
-                let rendered = pipeline::render(&prepared.scene, &options, models, &part)?;
+                let part = progress.part(label, *done, self.total);
+                let rendered = prepared.render(&args.scene, &options, models, &part)?;
                 if rendered.spp < spp {
                     return Ok::<bool, Failure>(false);
                 }
