@@ -39,7 +39,7 @@ pub struct Object {
     /// Light beyond the boundary can be aimed at from inside: it is concentrated, and what is in the way of it cannot be
     /// passed unbent (alpha, other media), or the boundary is rough, where aiming copes with that.
     pub aimable: bool,
-    /// About how much of the light that crosses into it comes out again ([`Medium::returned`]), the harmonic mean over the
+    /// About how much of the light that crosses into it comes out again ([`crate::optics::Medium::returned`]), the harmonic mean over the
     /// channels, since each is looked at by itself; `None` where that varies.
     pub returned: Option<f32>,
     /// Walks that are worth one sample of a pixel, at least 1: more where they are short.
