@@ -3,7 +3,7 @@
 //! The map is looked up bilinearly and sampled in proportion to that very look-up: the plane between texel centres
 //! is cut into cells with four texels as corners, a cell is chosen by its integral, and a point inside it by the
 //! bilinear patch of the corners. For light from all sides the pdf is so `mean(L) s / Z`, with `mean` the mean of the colour
-//! channels, and is positive wherever the map is. For a surface the cells are first chosen by [`Blocks`], and the pdf is
+//! channels, and is positive wherever the map is. For a surface the cells are first chosen in blocks (`blocks.rs`), and the pdf is
 //! multiplied by what a block is worth there.
 //!
 //! | name | symbol | meaning |
@@ -60,7 +60,7 @@ struct Footprint {
 
 impl EnvironmentMap {
     /// Prepares a map; `None` if its size does not match its pixels or nothing in it is positive. Negative and NaN
-    /// channels become 0, larger ones than [`MAX_RADIANCE`] that; [`Self::repaired`] counts them.
+    /// channels become 0, larger ones than [`super::environment::MAX_RADIANCE`] that; [`Self::repaired`] counts them.
     pub fn new(width: usize, height: usize, pixels: &[Vec3], scale: Vec3, rotation: f32) -> Option<Self> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(pixels.len()) {
             return None;
