@@ -28,7 +28,7 @@ const ROWS: usize = 8;
 /// Normals are rounded to the cells of an octahedron that is unfolded to a square of as many cells along each side.
 const NORMALS: usize = 16;
 /// Sine of the largest angle between a direction and the middle of its cell; a test holds it.
-const ROUNDING: f32 = 0.16;
+const ROUNDING: f32 = 0.26;
 /// Added to s where the normal is only about right. Measured.
 const SOFTNESS: f32 = 0.5;
 /// Least s, so that (1) can be divided by it.
