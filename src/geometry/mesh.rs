@@ -70,6 +70,14 @@ impl MeshGeometry {
         self.reversed
     }
 
+    /// Bytes of everything that it holds: triangles, their normals, and the hierarchy.
+    pub fn memory(&self) -> usize {
+        size_of_val(&*self.bvh.nodes)
+            + size_of_val(&*self.blocks)
+            + size_of_val(&*self.vertices)
+            + size_of_val(&*self.normals)
+    }
+
     /// Number of triangles given to the build.
     pub fn triangle_count(&self) -> usize {
         self.vertices.len()
