@@ -288,6 +288,13 @@ pub(super) struct InspectArgs {
     pub json: bool,
 }
 
+impl RenderArgs {
+    /// The subsurface model that was asked for.
+    pub fn model(&self) -> &str {
+        self.walk.as_deref().unwrap_or(&self.subsurface)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -296,12 +303,5 @@ mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Args::command().debug_assert();
-    }
-}
-
-impl RenderArgs {
-    /// The subsurface model that was asked for.
-    pub fn model(&self) -> &str {
-        self.walk.as_deref().unwrap_or(&self.subsurface)
     }
 }

@@ -178,8 +178,8 @@ fn the_accelerated_walk_is_off_by_less_than_it_says() {
         };
         let expected = [0, 1, 2].map(|c| group.channels[c].normal.0);
         let estimate = measure_to(&scene, &options, expected.map(|e| 0.002 * e));
-        for c in 0..3 {
-            let (off, se) = (estimate.mean[c] / expected[c] - 1.0, estimate.se[c] / expected[c]);
+        for (c, expected) in expected.into_iter().enumerate() {
+            let (off, se) = (estimate.mean[c] / expected - 1.0, estimate.se[c] / expected);
             println!("{case} [{c}]: {off:+.4} ± {se:.4}");
             assert!(off.abs() < ACCELERATED + 4.0 * se, "{case} [{c}]: {off} ± {se}");
         }
