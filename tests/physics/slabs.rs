@@ -148,7 +148,7 @@ fn check(group: &Group, thickness: f32, cosines: &[f32], what: &str) {
             let side = if above { "R" } else { "T" };
             let case = format!("{what} g {} n {} {side} at cosine {cosine}", group.g, group.n);
             let options = RenderOptions { seed: seed_of(&case), ..options(camera, 24, 0) };
-            let estimate = measure_to(&scene, &options, expected.map(|e| 0.0048 * e));
+            let estimate = measure_to(&scene, &options, expected.map(|e| 0.0045 * e));
             estimate.assert_matches(expected, [1e-6; 3], &case);
         }
     }
@@ -189,6 +189,6 @@ fn the_accelerated_walk_is_off_by_less_than_it_says() {
 #[test]
 fn a_slab_is_the_same_from_a_micrometre_to_a_kilometre() {
     for thickness in [1e-6, 1e-3, 1.0, 1e3] {
-        check(&SLABS[1], thickness, &[0.6], &format!("slab of {thickness} m"));
+        check(&SLABS[1], thickness, &[1.0, 0.6], &format!("slab of {thickness} m"));
     }
 }

@@ -79,7 +79,7 @@ fn spheres_return_the_light_they_should() {
         let camera = ortho(Vec3::new(0.3, -0.5, -0.8), 0.1, radius);
         let disk = std::f64::consts::PI / 4.0;
         let case = format!("sphere g {} n {}", group.g, group.n);
-        let options = RenderOptions { seed: seed_of(&case), ..options(camera, 96, 12) };
+        let options = RenderOptions { seed: seed_of(&case), ..options(camera, 96, 16) };
         let estimate = measure_pictures(&scene, &options, 16)[0];
         let expected = [0, 1, 2].map(|c| 1.0 - disk + disk * group.channels[c].reflected);
         let se = [0, 1, 2].map(|c| disk * group.channels[c].se);
