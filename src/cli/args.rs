@@ -162,6 +162,11 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
     pub subsurface: String,
 
+    /// The random walk: exact, or accelerated by jumps where it is deep inside (off by less than 0.5 %); short for
+    /// --subsurface accelerated-walk
+    #[arg(long, value_name = "exact|accelerated", value_parser = walk, conflicts_with = "subsurface")]
+    pub walk: Option<String>,
+
     #[command(flatten)]
     pub blur: ShutterArgs,
 
@@ -281,6 +286,13 @@ pub(super) struct InspectArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+impl RenderArgs {
+    /// The subsurface model that was asked for.
+    pub fn model(&self) -> &str {
+        self.walk.as_deref().unwrap_or(&self.subsurface)
+    }
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let progress = Progress::new(args.quiet);
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
     let mut prepared = Prepared::new(args, size, &job.args.blur, &reporter, &progress)?;
-    let mut options = prepared.options(args, job.args.spp, &job.args.subsurface);
+    let mut options = prepared.options(args, job.args.spp, job.args.model());
     options.transparent = job.args.transparent_background;
     say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
     let models = pipeline::models(args.brdf_cosines);

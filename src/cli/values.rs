@@ -158,6 +158,15 @@ pub(super) fn subsurface(text: &str) -> Result<String, String> {
     Err(names::unknown("subsurface model", text, models.iter().map(String::as_str)))
 }
 
+/// The name of the model of a walk.
+pub(super) fn walk(text: &str) -> Result<String, String> {
+    match text {
+        "exact" => Ok("random-walk".to_owned()),
+        "accelerated" => Ok("accelerated-walk".to_owned()),
+        _ => Err(names::unknown("walk", text, ["exact", "accelerated"])),
+    }
+}
+
 pub(super) fn microfacet(text: &str) -> Result<Microfacet, String> {
     match text {
         "multiple" => Ok(Microfacet::Multiple),

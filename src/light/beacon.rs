@@ -4,7 +4,7 @@
 //! (the means of a k-means clustering of directions drawn from it). Beacons only shape sampling densities; what they
 //! leave out is found by other techniques.
 
-use super::{Environment, Lights};
+use super::{Environment, Facing, Lights};
 use crate::scene::{PunctualKind, PunctualLight};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -106,7 +106,7 @@ fn regions(environment: &Environment) -> Vec<Beacon> {
     let directions: Vec<Vec3> = (0..DIRECTIONS)
         .filter_map(|i| {
             let u = Vec2::new((i as f32 + 0.5) / DIRECTIONS as f32, radical_inverse(i));
-            environment.sample(None, u).map(|s| s.direction)
+            environment.sample(Facing::All, u).map(|s| s.direction)
         })
         .collect();
     if directions.len() < REGIONS {

@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 
 use super::{
     emitter::{EmissiveTriangle, Emitter, EmitterId},
-    environment::Environment,
+    environment::{Environment, Facing},
     many::{ManyPunctual, facing_irradiance},
     mixture::{FEW, Mixture},
     nearest::Lamps,
@@ -57,6 +57,25 @@ pub struct Anchor {
     pub point: Vec3,
     /// Only light from this side counts; `None`: all light.
     pub normal: Option<Vec3>,
+    /// Light of the environment from about this side is enough, since the rest can be found by chance.
+    pub about: Option<Vec3>,
+}
+
+impl Anchor {
+    /// A lit point, for light from the side of a normal if there is one.
+    pub fn at(point: Vec3, normal: Option<Vec3>) -> Self {
+        Self { point, normal, about: None }
+    }
+
+    /// What light of the environment is chosen for.
+    #[inline]
+    fn facing(&self) -> Facing {
+        match (self.normal, self.about) {
+            (Some(normal), _) => Facing::Surface(normal),
+            (None, Some(normal)) => Facing::About(normal),
+            (None, None) => Facing::All,
+        }
+    }
 }
 
 /// The lights of a scene.
@@ -178,7 +197,7 @@ impl Lights {
     /// sample of value zero).
     #[inline]
     pub fn sample(&self, point: Vec3, normal: Option<Vec3>, u_select: f32, u: Vec2) -> Option<LightSample> {
-        self.sample_at(point, &Anchor { point, normal }, u_select, u)
+        self.sample_at(point, &Anchor::at(point, normal), u_select, u)
     }
 
     /// As [`Self::sample`], choosing the light as seen from elsewhere.
@@ -189,7 +208,7 @@ impl Lights {
         let (group, group_probability, rest) = choice.groups.sample(u_select)?;
         match group {
             ENVIRONMENT => {
-                let s = self.environment.sample(normal, u)?;
+                let s = self.environment.sample(anchor.facing(), u)?;
                 Some(LightSample {
                     direction: s.direction,
                     distance: f32::INFINITY,
@@ -250,13 +269,13 @@ impl Lights {
     /// The pdf that [`Self::sample`] at the same point and normal has for the environment in this direction.
     #[inline]
     pub fn environment_pdf(&self, point: Vec3, normal: Option<Vec3>, direction: Vec3) -> f32 {
-        self.environment_pdf_at(&Anchor { point, normal }, direction)
+        self.environment_pdf_at(&Anchor::at(point, normal), direction)
     }
 
     /// The pdf that [`Self::sample_at`] has for the environment in this direction.
     #[inline]
     pub fn environment_pdf_at(&self, anchor: &Anchor, direction: Vec3) -> f32 {
-        let pdf = self.environment.pdf(anchor.normal, direction);
+        let pdf = self.environment.pdf(anchor.facing(), direction);
         if pdf > 0.0 { pdf * self.choice(anchor).groups.probability(ENVIRONMENT) } else { 0.0 }
     }
 
@@ -264,7 +283,7 @@ impl Lights {
     /// emitter.
     #[inline]
     pub fn emitter_pdf(&self, emitter: EmitterId, point: Vec3, normal: Option<Vec3>, position: Vec3) -> f32 {
-        self.emitter_pdf_at(emitter, point, &Anchor { point, normal }, position)
+        self.emitter_pdf_at(emitter, point, &Anchor::at(point, normal), position)
     }
 
     /// The pdf that [`Self::sample_at`] has for the direction to `position`, a point of the emitter.
@@ -303,7 +322,7 @@ impl Lights {
 
     #[inline]
     fn choice(&self, anchor: &Anchor) -> Choice {
-        let Anchor { point, normal } = *anchor;
+        let Anchor { point, normal, .. } = *anchor;
         let punctual = self.many_punctual.is_none().then(|| {
             Mixture::new(
                 LIGHT_DEFENSIVE,

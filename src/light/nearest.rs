@@ -4,7 +4,7 @@
 //! Where there is no lamp the directional lights and the environment take its place, in proportion to their irradiance.
 
 use super::emitter::Emitter;
-use super::environment::Environment;
+use super::environment::{Environment, Facing};
 use super::{EmitterId, LightSample, punctual};
 use crate::sampling::Distribution1D;
 use crate::scene::{PunctualKind, PunctualLight};
@@ -94,7 +94,7 @@ impl Lamps {
                 if let Some(light) = punctual.get(self.distant[i]) {
                     return of_punctual(light, point, probability);
                 }
-                let s = environment.sample(None, u)?;
+                let s = environment.sample(Facing::All, u)?;
                 Some(LightSample {
                     direction: s.direction,
                     distance: f32::INFINITY,

@@ -96,7 +96,7 @@ impl Aimed {
     /// From where aimed directions have chosen their light, if they did.
     #[inline]
     pub fn anchor(&self) -> Option<Anchor> {
-        self.samples_light().then_some(Anchor { point: self.boundary.point, normal: None })
+        self.samples_light().then(|| self.boundary.anchor())
     }
 
     /// The ratio, for light from the unit direction `outside`.
@@ -145,6 +145,13 @@ pub struct NearBoundary {
     pub normal: Vec3,
     /// Index inside over outside (> 1).
     pub eta: f32,
+}
+
+impl NearBoundary {
+    /// Where lights are chosen that come in here.
+    fn anchor(&self) -> Anchor {
+        Anchor { point: self.point, normal: None, about: Some(self.normal) }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -206,7 +213,7 @@ impl Aim {
     /// From where the light is chosen.
     #[inline]
     pub fn anchor(&self) -> Anchor {
-        Anchor { point: self.boundary.point, normal: None }
+        self.boundary.anchor()
     }
 
     /// The light sample that was aimed at.

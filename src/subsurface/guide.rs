@@ -62,6 +62,24 @@ pub(super) trait Steering {
 
     /// A stretch that sets out from `p` in direction `d`, with free flights of that channel.
     fn stretch(&self, channel: usize, p: Vec3, d: Vec3, rng: &mut SmallRng) -> Self::Stretch<'_>;
+
+    /// The room about an event that a jump needs; infinite where none are made.
+    #[inline]
+    fn room(&self) -> f32 {
+        f32::INFINITY
+    }
+
+    /// Jumps from an event with that much room: where to, the direction there, and the throughput.
+    #[inline]
+    fn jump(
+        &self,
+        _: &Coefficients,
+        state: (Vec3, Vec3, Vec3A),
+        _clear: f32,
+        _: &mut SmallRng,
+    ) -> (Vec3, Vec3, Vec3A) {
+        state
+    }
 }
 
 /// A few events of a walk that are weighed as one.

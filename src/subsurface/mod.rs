@@ -10,6 +10,7 @@
 //! Throughput carries radiance from the camera: the boundary has already divided it by η² on the way in. A model that
 //! answers [`Arrival::Exit`] multiplies by η² to bring it out again.
 
+mod accelerated_walk;
 mod aim;
 mod aiming;
 mod better_dipole;
@@ -28,9 +29,11 @@ mod radial;
 mod random_walk;
 mod single_scattering;
 mod spectral;
+mod sphere_jumps;
 mod tables;
 mod textured;
 
+pub use accelerated_walk::AcceleratedWalk;
 pub use aim::{Aim, Aimed, LightNumbers, NearBoundary};
 pub use better_dipole::BetterDipole;
 pub use brdf_approximation::BrdfApproximation;
@@ -268,6 +271,7 @@ impl Registry {
         Self {
             models: vec![
                 Box::new(RandomWalk),
+                Box::new(AcceleratedWalk),
                 Box::new(Dipole { single: true }),
                 Box::new(Dipole { single: false }),
                 Box::new(SingleScattering),

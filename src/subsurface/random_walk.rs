@@ -12,6 +12,8 @@
 //! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. What else reaches into the
 //! object's bounds is only asked for by flights that come near it.
 //!
+//! **Jumps.** The accelerated walk crosses spheres at once ([`super::sphere_jumps`]).
+//!
 //! **Guiding.** Walks below a boundary that lights can be aimed through are drawn towards the strongest of them
 //! ([`super::guide`]).
 //!
@@ -26,6 +28,7 @@ use super::aiming::{self, Aiming, Event};
 use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
+use super::sphere_jumps::{Jumping, SphereJumps};
 use super::{Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::{HenyeyGreenstein, Medium};
@@ -49,18 +52,38 @@ impl SubsurfaceModel for RandomWalk {
     }
 
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator> {
-        let coefficients = (0..scene.objects.len() as u32).map(|instance| {
-            let mut materials = scene.mesh(instance).triangle_materials.iter().copied();
-            let material = materials.find(|&m| scene.medium(m).is_some())?;
-            Some((material, coefficients(scene, instance, scene.medium(material)?)))
-        });
-        Box::new(Walker { coefficients: coefficients.collect() })
+        prepare(scene, false)
     }
 }
 
+/// A walk, with jumps across spheres or without.
+pub(super) fn prepare(scene: &Scene, jumps: bool) -> Box<dyn Propagator> {
+    let media = (0..scene.objects.len() as u32).map(|instance| {
+        let mut materials = scene.mesh(instance).triangle_materials.iter().copied();
+        let material = materials.find(|&m| scene.medium(m).is_some())?;
+        let medium = scene.medium(material)?;
+        let jumps = if jumps && scene.objects[instance as usize].intruders.is_empty() {
+            let scale = scene.geometry.transform(instance).scale * thinning(scene, instance, medium);
+            let size = scene.geometry.mesh_of(instance).bounds().extent().min_element();
+            SphereJumps::new(medium.sigma_a * scale, medium.sigma_s * scale, medium.g, size)
+        } else {
+            None
+        };
+        Some(Walkable { material, coefficients: coefficients(scene, instance, medium), jumps })
+    });
+    Box::new(Walker { media: media.collect() })
+}
+
 struct Walker {
-    /// For each instance, those of the first of its materials that has a medium, in its own space.
-    coefficients: Vec<Option<(u32, Coefficients)>>,
+    /// For each instance.
+    media: Vec<Option<Walkable>>,
+}
+
+/// The first of the materials of an instance that has a medium, in its own space.
+struct Walkable {
+    material: u32,
+    coefficients: Coefficients,
+    jumps: Option<SphereJumps>,
 }
 
 /// Shortest mean free path in sizes of an object. Positions could not follow shorter ones, and nobody could see the
@@ -96,13 +119,14 @@ impl Propagator for Walker {
         match (&flight.object.distance, flight.connection) {
             (Some(distance), Connection::None | Connection::Boundary) => {
                 let enclosure = flight.enclosure;
-                match &self.coefficients[enclosure.instance as usize] {
-                    Some((material, c)) if *material == enclosure.material => {
-                        walk_inside(flight, c, distance, head, sampler, connector)
+                match &self.media[enclosure.instance as usize] {
+                    Some(m) if m.material == enclosure.material => {
+                        let medium = (&m.coefficients, m.jumps.as_ref());
+                        walk_inside(flight, medium, distance, head, sampler, connector)
                     }
                     _ => {
                         let c = coefficients(flight.scene, enclosure.instance, flight.medium);
-                        walk_inside(flight, &c, distance, head, sampler, connector)
+                        walk_inside(flight, (&c, None), distance, head, sampler, connector)
                     }
                 }
             }
@@ -128,7 +152,7 @@ pub(super) fn survival(largest: f32, rng: &mut SmallRng) -> f32 {
 /// inside is asked for where it can be.
 fn walk_inside(
     flight: &Flight<'_>,
-    c: &Coefficients,
+    (c, jumps): (&Coefficients, Option<&SphereJumps>),
     distance: &DistanceBound,
     head: &mut PathHead,
     sampler: &mut Sampler,
@@ -145,9 +169,12 @@ fn walk_inside(
         }
         _ => transform.inverse_point(head.position),
     };
-    match guide(flight, c, p) {
-        Some(guide) => walk_steered(flight, (c, distance, &guide), (p, d), head, sampler, connector),
-        None => walk_steered(flight, (c, distance, &Plain), (p, d), head, sampler, connector),
+    match (guide(flight, c, p), jumps) {
+        (Some(guide), _) => walk_steered(flight, (c, distance, &guide), (p, d), head, sampler, connector),
+        (None, Some(jumps)) => {
+            walk_steered(flight, (c, distance, &Jumping(jumps)), (p, d), head, sampler, connector)
+        }
+        (None, None) => walk_steered(flight, (c, distance, &Plain), (p, d), head, sampler, connector),
     }
 }
 
@@ -179,6 +206,8 @@ fn walk_steered<S: Steering>(
     let enough = aiming::reach(c);
     // How far the boundary is at least.
     let mut clear = 0.0;
+    // Events before the flight that the walk set out with, or that a jump ended with: it was not scattered into that.
+    let mut first = 0;
     // Direction of travel before the last event.
     let mut before = d;
     let mut next_flight = draw_flight(sampler.rng());
@@ -186,7 +215,7 @@ fn walk_steered<S: Steering>(
         let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
         let mut stretch = steering.stretch(channel, p, d, sampler.rng());
         let most = c.stretch.min((flight.budget - head.events) as usize);
-        let (mut collisions, mut length) = (0, 0.0);
+        let (mut collisions, mut length, mut jumps) = (0, 0.0, false);
         while collisions < most {
             let t = stretch.flight(next_flight * mean_free_path, d);
             // What comes next is drawn before the branches, which are hard to predict: it need not be done again.
@@ -201,7 +230,7 @@ fn walk_steered<S: Steering>(
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if at_events {
                             head.aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
-                        } else if at_arrival && head.events > 0 {
+                        } else if at_arrival && head.events > first {
                             let (event, way) =
                                 (Event { p, clear, incoming: before, beta }, (collisions, length));
                             head.aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
@@ -217,7 +246,7 @@ fn walk_steered<S: Steering>(
                 }
             }
             if let Some(hit) = intruder {
-                if at_arrival && head.events > 0 {
+                if at_arrival && head.events > first {
                     let clear = distance.bound(mesh, p);
                     let (event, way) = (Event { p, clear, incoming: before, beta }, (collisions, length));
                     aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
@@ -233,6 +262,10 @@ fn walk_steered<S: Steering>(
             head.events += 1;
             before = d;
             stretch.collide(d);
+            if clear >= steering.room() {
+                jumps = true;
+                break;
+            }
             d = turned;
             if !at_events {
                 continue;
@@ -255,6 +288,12 @@ fn walk_steered<S: Steering>(
             break Arrival::Ended;
         }
         beta *= survival;
+        if jumps {
+            (p, d, beta) = steering.jump(c, (p, d, beta), clear, sampler.rng());
+            clear = 0.0;
+            head.events += 1;
+            first = head.events;
+        }
     };
     head.position = transform.point(p);
     head.direction = transform.direction(d);
@@ -327,7 +366,7 @@ pub(super) fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallR
 
 /// A direction uniform over the sphere.
 #[inline]
-fn uniform_direction(rng: &mut SmallRng) -> Vec3 {
+pub(super) fn uniform_direction(rng: &mut SmallRng) -> Vec3 {
     let z = 1.0 - 2.0 * rng.f32();
     let radius = (1.0 - z * z).max(0.0).sqrt();
     let (sin, cos) = fast_math::sin_cos_turns(rng.f32() - 0.5);

@@ -54,7 +54,7 @@ pub(super) struct Reached {
 
 impl Shaded<'_> {
     /// For fields that [`Shaded::orient`] sets.
-    pub const NOWHERE: Anchor = Anchor { point: Vec3::ZERO, normal: None };
+    pub const NOWHERE: Anchor = Anchor { point: Vec3::ZERO, normal: None, about: None };
 
     /// Sets the frame, the outgoing direction and which lights count. Where the shading normal would put the viewer on the
     /// other side of the surface, the geometric one is used.
@@ -67,7 +67,7 @@ impl Shaded<'_> {
             (true, Some(_)) if !self.lit_inside => Some(z),
             _ => None,
         };
-        let here = Anchor { point: self.surface.position, normal };
+        let here = Anchor::at(self.surface.position, normal);
         // An aimed direction has chosen its light before it came here, and must be able to choose it again.
         self.anchor = self.reached.aimed.anchor().unwrap_or(here);
     }

@@ -100,7 +100,7 @@ impl Connector for FlightLights<'_, '_> {
     fn redirected(&mut self, point: Vec3, pdf: f32) {
         self.vertex = Some(Vertex {
             point,
-            anchor: Anchor { point, normal: None },
+            anchor: Anchor::at(point, None),
             pdf,
             connected: true,
             lights: 1.0,

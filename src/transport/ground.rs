@@ -47,7 +47,7 @@ impl PathTracer<'_> {
     pub(super) fn catch(&self, path: &Path, point: Vec3, sampler: &mut Sampler) -> Caught {
         let throughput = path.head.throughput;
         let behind = throughput * self.scene.lights.environment_radiance(path.head.direction);
-        let anchor = Anchor { point, normal: Some(Vec3::Y) };
+        let anchor = Anchor::at(point, Some(Vec3::Y));
         // The point is off along the ray by some roundings of the largest coordinate.
         let error = Vec3::splat(gamma(8) * (point - path.head.position).abs().max(point.abs()).max_element());
         let leave = |direction: Vec3| offset_origin(point, error, Vec3::Y, direction);

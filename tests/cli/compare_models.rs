@@ -54,7 +54,7 @@ fn nonsense_is_refused_before_any_work() {
     sandbox
         .run(&compare(&["-o", "a.png", "--size", "5000x5000"]))
         .exits(1)
-        .says(&["sheet of 13 pictures", "smaller --size"]);
+        .says(&["sheet of 14 pictures", "smaller --size"]);
     assert_eq!(sandbox.files(), ["a.gltf"]);
 }
 

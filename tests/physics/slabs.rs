@@ -161,6 +161,31 @@ fn reflectance_and_transmittance_agree_with_adding_doubling() {
     }
 }
 
+/// How far the accelerated walk may be from the truth.
+const ACCELERATED: f64 = 0.005;
+
+#[test]
+fn the_accelerated_walk_is_off_by_less_than_it_says() {
+    // Slabs of 400 mean free paths, to jump in: half spaces as far as light comes.
+    for group in &SLABS[7..] {
+        let (scene, half) = scene(group, 0.01, 0.0);
+        let camera = ortho(Vec3::NEG_Y, 0.02, 0.01 * half.min(0.01));
+        let case = format!("accelerated, g {} n {}", group.g, group.n);
+        let options = RenderOptions {
+            subsurface: "accelerated-walk".to_owned(),
+            seed: seed_of(&case),
+            ..options(camera, 24, 0)
+        };
+        let expected = [0, 1, 2].map(|c| group.channels[c].normal.0);
+        let estimate = measure_to(&scene, &options, expected.map(|e| 0.002 * e));
+        for (c, expected) in expected.into_iter().enumerate() {
+            let (off, se) = (estimate.mean[c] / expected - 1.0, estimate.se[c] / expected);
+            println!("{case} [{c}]: {off:+.4} ± {se:.4}");
+            assert!(off.abs() < ACCELERATED + 4.0 * se, "{case} [{c}]: {off} ± {se}");
+        }
+    }
+}
+
 #[test]
 fn a_slab_is_the_same_from_a_micrometre_to_a_kilometre() {
     for thickness in [1e-6, 1e-3, 1.0, 1e3] {

@@ -134,18 +134,20 @@ def pictures():
         return case
 
     quarter = [("whole picture", None), ("upper left", [0, 0, 16, 16]), ("upper right", [16, 0, 16, 16]), ("lower left", [0, 16, 16, 16]), ("lower right", [16, 16, 16, 16])]
-    for roughness in (0.3, 0.6):
+    # Few paths carry much of the light of a smoother sphere, so its regions are larger.
+    half = [quarter[0], ("upper half", [0, 0, 32, 16]), ("lower half", [0, 16, 32, 16])]
+    for roughness, parts in ((0.3, "halves"), (0.6, "quarters")):
         case = Case(f"rough-{10 * roughness:02.0f}", f"Rough sphere under a lamp, roughness {roughness:g}", ["roughness", "lights", "scattering"],
                     f"A sphere of index 1.5 and roughness {roughness:g} (α = {roughness**2:g}), lit from the upper left by a point light and weakly from all around. "
-                    "The highlight, the light below the surface and what leaks to the dark side are measured in quarters.", size=32, spp=1024 if roughness < 0.5 else 512).under(0.1)
+                    f"The highlight, the light below the surface and what leaks to the dark side are measured in {parts}.", size=32, spp=3072 if roughness < 0.5 else 512).under(0.1)
         case.document.add(icosphere(0.02, 4), medium([20, 60, 200], [400, 400, 400], 0.3, 1.5, roughness), "sphere")
         case.document.camera((0, 0, -1), 0.022, distance=0.3)
         case.document.light({"type": "point", "intensity": 0.3}, DOWN, (-0.2, 0.2, 0.2))
         less = {0.3: "3, 2 and 1 %", 0.6: "19, 13 and 7 %"}[roughness]
         case.others = (f"A rough boundary that scatters once on the microscopic surface loses light: the picture is {less} darker in red, green and blue. "
-                       "Mitsuba 3.9 has such a boundary, and shows what nephrite does with `--microfacet single`, quarter by quarter within its noise. "
+                       "Mitsuba 3.9 has such a boundary, and shows what nephrite does with `--microfacet single`, part by part within its noise. "
                        "So has Cycles, with another masking function: its picture is 15, 8 and 4 % darker at roughness 0.6.")
-        regions(case, quarter)
+        regions(case, half if parts == "halves" else quarter)
         if roughness == 0.6:
             # As nephrite shows with `--microfacet single`, to 0.5 %. That of roughness 0.3 is too near to what is right.
             case.expects[0].symptom([0.1274, 0.0904, 0.0618], SINGLE)

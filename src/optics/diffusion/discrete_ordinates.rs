@@ -154,7 +154,7 @@ fn legendre(mu: f64) -> Vec<f64> {
 }
 
 /// Nodes and weights of the Gauss–Legendre rule on \[0, 1\], by Newton's method.
-fn gauss(n: usize) -> Vec<[f64; 2]> {
+pub(super) fn gauss(n: usize) -> Vec<[f64; 2]> {
     const STEPS: usize = 8;
     let node = |i: usize| {
         let mut x = (PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
