@@ -32,6 +32,7 @@ pub(super) trait Lanes: Copy {
     fn min(self, b: Self) -> Self;
     fn max(self, b: Self) -> Self;
     fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
     fn lt(self, b: Self) -> Self::Mask;
     fn le(self, b: Self) -> Self::Mask;
     /// `a` where the mask is set, `b` elsewhere.
@@ -112,6 +113,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.map(f32::abs))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
     }
     #[inline(always)]
     fn lt(self, b: Self) -> Self::Mask {
@@ -201,6 +206,10 @@ mod avx2 {
         #[inline(always)]
         fn div(self, b: Self) -> Self {
             Self(unsafe { _mm256_div_ps(self.0, b.0) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm256_sqrt_ps(self.0) })
         }
         #[inline(always)]
         fn mul_add(self, b: Self, c: Self) -> Self {

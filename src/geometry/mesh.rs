@@ -154,7 +154,7 @@ impl MeshGeometry {
         let start = upper_bound * upper_bound * shrink;
         let mut least = start;
         traverse_nearest::<Native>(&self.bvh, p, start, |block, bound| {
-            let squared = self.blocks[block as usize].squared_distances::<Native>(p, &self.normals);
+            let squared = self.blocks[block as usize].squared_distances::<Native>(p);
             let nearest = squared.into_iter().fold(f32::INFINITY, f32::min);
             least = bound.min(nearest * shrink);
             least
@@ -168,7 +168,7 @@ impl MeshGeometry {
         let mut least = f32::INFINITY;
         traverse_nearest::<Native>(&self.bvh, center, squared, |block, bound| {
             let block = &self.blocks[block as usize];
-            let distances = block.squared_distances::<Native>(center, &self.normals);
+            let distances = block.squared_distances::<Native>(center);
             for (lane, _) in distances.iter().enumerate().filter(|(_, d)| **d <= squared) {
                 for corner in self.triangle(block.ids[lane]) {
                     least = least.min(n.dot(corner - center));
@@ -194,7 +194,7 @@ impl MeshGeometry {
         let mut closest = None;
         traverse::<L, true, _>(&self.bvh, &self.blocks, ray, |block, mut t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            if let Some(hits) = block.intersect(shear, t_max, &self.normals) {
+            if let Some(hits) = block.intersect(shear, t_max) {
                 for lane in bits(hits.mask) {
                     if hits.t[lane] < t_max {
                         t_max = hits.t[lane];
@@ -218,7 +218,7 @@ impl MeshGeometry {
         let mut found = false;
         traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            found = block.intersect(shear, t_max, &self.normals).is_some();
+            found = block.intersect(shear, t_max).is_some();
             if found { -1.0 } else { t_max }
         });
         found
@@ -236,7 +236,7 @@ impl MeshGeometry {
         let mut shear = None;
         traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            if let Some(found) = block.intersect(shear, t_max, &self.normals) {
+            if let Some(found) = block.intersect(shear, t_max) {
                 for lane in bits(found.mask) {
                     let triangle = block.ids[lane];
                     visit(MeshHit { t: found.t[lane], triangle, u: found.u[lane], v: found.v[lane] });
@@ -251,7 +251,7 @@ impl MeshGeometry {
         let mut best = None;
         traverse_nearest::<L>(&self.bvh, p, upper_bound * upper_bound, |block, mut bound| {
             let block = &self.blocks[block as usize];
-            let squared = block.squared_distances::<L>(p, &self.normals);
+            let squared = block.squared_distances::<L>(p);
             for (lane, &d) in squared.iter().enumerate() {
                 if d < bound {
                     bound = d;

@@ -133,7 +133,7 @@ impl TriangleBlock {
 
     /// Hits with `0 < t < t_max`.
     #[inline(always)]
-    pub fn intersect<L: Lanes>(&self, ray: &ShearRay<L>, t_max: f32, normals: &[Vec3]) -> Option<BlockHits> {
+    pub fn intersect<L: Lanes>(&self, ray: &ShearRay<L>, t_max: f32) -> Option<BlockHits> {
         let [x, y, z] = [0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k]));
         let x = [0, 1].map(|half: usize| ray.shear[0].neg_mul_add(z[half], x[half]));
         let y = [0, 1].map(|half: usize| ray.shear[1].neg_mul_add(z[half], y[half]));
@@ -162,9 +162,9 @@ impl TriangleBlock {
         let mut t = depth.mul(ray.shear[2]);
         let rough = depth.mul(det).abs().lt(products.mul(L::splat(NEAR)));
         // Seen from afar, a needle or an edge-on triangle is better off with T, which stays within its corners.
-        let near = L::bits(L::and(rough, depth.abs().lt(range.mul(L::splat(1.0 / 16.0))))) & inside;
-        if near != 0 {
-            t = self.plane_distances(near, t, ray, normals);
+        let near = L::and(rough, depth.abs().lt(range.mul(L::splat(1.0 / 16.0))));
+        if L::bits(near) & inside != 0 {
+            t = L::select(near, self.plane_distances(ray), t);
         }
         let mask = inside & L::bits(zero.lt(t)) & L::bits(t.lt(L::splat(t_max)));
         if mask == 0 {
@@ -173,43 +173,31 @@ impl TriangleBlock {
         Some(BlockHits { mask, t: t.store(), u: v.store(), v: w.store() })
     }
 
-    /// Replaces the distances of the lanes `near` by those of the triangles' planes.
-    #[cold]
-    fn plane_distances<L: Lanes>(&self, near: u32, t: L, ray: &ShearRay<L>, normals: &[Vec3]) -> L {
-        let mut t = t.store();
-        let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(|x| x.store()[0]));
-        for (lane, t) in t.iter_mut().enumerate().filter(|(lane, _)| near & (1 << lane) != 0) {
-            let normal = normals[self.ids[lane] as usize];
-            let corner = (self.corners[0] >> (4 * lane)) as usize & 15;
-            let (mut height, mut slope) = (0.0, 0.0);
-            for (i, &k) in ray.axes.iter().enumerate() {
-                height = normal[k].mul_add(self.positions[k][corner] - origin[i], height);
-                slope = normal[k].mul_add(direction[i], slope);
-            }
-            *t = height / slope;
-        }
-        L::load(&t)
+    /// Distances to the planes of the triangles.
+    #[inline(always)]
+    fn plane_distances<L: Lanes>(&self, ray: &ShearRay<L>) -> L {
+        let rows = [0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k]));
+        let corners = self.corners.map(|nibbles| {
+            let at = L::indices(nibbles);
+            rows.map(|row| L::pick(row[0], row[1], at))
+        });
+        let normal = normals(&corners);
+        dot(&normal, &corners[0]).div(dot(&normal, &ray.direction))
     }
 
     /// Squared distances to the triangles; unused lanes hold infinity.
     #[inline(always)]
-    pub fn squared_distances<L: Lanes>(&self, p: Vec3, normals: &[Vec3]) -> [f32; WIDTH] {
+    pub fn squared_distances<L: Lanes>(&self, p: Vec3) -> [f32; WIDTH] {
         let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
         let zero = L::splat(0.0);
         let one = L::splat(1.0);
-        let dot = |a: &[L; 3], b: &[L; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul(b[2])));
-        let mut normal = [[0.0; WIDTH]; 3];
-        for (lane, &id) in self.ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
-            for (row, x) in normal.iter_mut().zip(normals[id as usize].to_array()) {
-                row[lane] = x;
-            }
-        }
-        let normal = normal.map(|row| L::load(&row));
         let rows = [0, 1, 2].map(|axis| self.row(axis, zero));
         let corners = self.corners.map(|nibbles| {
             let at = L::indices(nibbles);
             rows.map(|row| L::pick(row[0], row[1], at))
         });
+        let normal = normals(&corners);
+        let normal = normal.map(|x| x.div(dot(&normal, &normal).sqrt()));
         let mut nearest = L::splat(f32::INFINITY);
         // Least of the signed sides; positive where the foot of the perpendicular is inside.
         let mut side = L::splat(f32::INFINITY);
@@ -240,6 +228,32 @@ impl TriangleBlock {
         }
         out
     }
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2].mul(b[2])))
+}
+
+/// Normals, no longer than 2; zero for triangles without an area, NaN where all corners are one.
+///
+/// Products are subtracted as if exact (Kahan; Jeannerod et al. 2013, "Further analysis of Kahan's algorithm for the accurate
+/// computation of 2x2 determinants"), so these are the normals of triangles whose corners are off by a rounding, needles
+/// included: above a triangle, its distance is off by a rounding of its size.
+#[inline(always)]
+fn normals<L: Lanes>([a, b, c]: &[[L; 3]; 3]) -> [L; 3] {
+    let edge = |to: &[L; 3]| -> [L; 3] { std::array::from_fn(|k| to[k].sub(a[k])) };
+    let (ab, ac) = (edge(b), edge(c));
+    let longest = |e: &[L; 3]| e[0].abs().max(e[1].abs()).max(e[2].abs());
+    // The square of an area can overflow or underflow.
+    let scale = L::splat(1.0).div(longest(&ab).max(longest(&ac)));
+    let [ab, ac] = [ab, ac].map(|e| e.map(|x| x.mul(scale)));
+    let minor = |i: usize, j: usize| {
+        let product = ab[j].mul(ac[i]);
+        let error = ab[j].neg_mul_add(ac[i], product);
+        ab[i].mul_add(ac[j], L::splat(0.0).sub(product)).add(error)
+    };
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
 /// Barycentric weights (of the second and third vertex) of the triangle's point nearest to `p`.
