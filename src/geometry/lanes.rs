@@ -13,9 +13,13 @@ pub(super) const WIDTH: usize = 8;
 pub(super) trait Lanes: Copy {
     /// One truth value a lane.
     type Mask: Copy;
+    /// One index below sixteen a lane.
+    type Indices: Copy;
 
     fn splat(x: f32) -> Self;
     fn load(x: &[f32; WIDTH]) -> Self;
+    /// Four numbers, then zeros.
+    fn load_half(x: &[f32; WIDTH / 2]) -> Self;
     fn store(self) -> [f32; WIDTH];
     fn add(self, b: Self) -> Self;
     fn sub(self, b: Self) -> Self;
@@ -28,6 +32,7 @@ pub(super) trait Lanes: Copy {
     fn min(self, b: Self) -> Self;
     fn max(self, b: Self) -> Self;
     fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
     fn lt(self, b: Self) -> Self::Mask;
     fn le(self, b: Self) -> Self::Mask;
     /// `a` where the mask is set, `b` elsewhere.
@@ -35,6 +40,10 @@ pub(super) trait Lanes: Copy {
     fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Lane i as bit i.
     fn bits(mask: Self::Mask) -> u32;
+    /// Lane i has bits 4 i to 4 i + 3.
+    fn indices(nibbles: u32) -> Self::Indices;
+    /// Lane `at` of the sixteen of `low` and `high`.
+    fn pick(low: Self, high: Self, at: Self::Indices) -> Self;
 }
 
 /// Eight lanes as an array.
@@ -51,6 +60,7 @@ impl Portable {
 
 impl Lanes for Portable {
     type Mask = [bool; WIDTH];
+    type Indices = [usize; WIDTH];
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -59,6 +69,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load(x: &[f32; WIDTH]) -> Self {
         Self(*x)
+    }
+    #[inline(always)]
+    fn load_half(x: &[f32; WIDTH / 2]) -> Self {
+        Self(std::array::from_fn(|i| x.get(i).copied().unwrap_or(0.0)))
     }
     #[inline(always)]
     fn store(self) -> [f32; WIDTH] {
@@ -101,6 +115,10 @@ impl Lanes for Portable {
         Self(self.0.map(f32::abs))
     }
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+    #[inline(always)]
     fn lt(self, b: Self) -> Self::Mask {
         std::array::from_fn(|i| self.0[i] < b.0[i])
     }
@@ -120,6 +138,14 @@ impl Lanes for Portable {
     fn bits(mask: Self::Mask) -> u32 {
         mask.iter().enumerate().fold(0, |bits, (i, &set)| bits | (u32::from(set) << i))
     }
+    #[inline(always)]
+    fn indices(nibbles: u32) -> Self::Indices {
+        std::array::from_fn(|i| (nibbles >> (4 * i)) as usize & 15)
+    }
+    #[inline(always)]
+    fn pick(low: Self, high: Self, at: Self::Indices) -> Self {
+        Self(at.map(|i| if i < WIDTH { low.0[i & 7] } else { high.0[i & 7] }))
+    }
 }
 
 /// The lanes of this build.
@@ -138,9 +164,11 @@ mod avx2 {
     #[derive(Clone, Copy)]
     pub(in super::super) struct Avx2(__m256);
 
-    // Every intrinsic below belongs to AVX, AVX2 or FMA, which the `cfg` above makes part of the whole build.
+    // Every intrinsic below belongs to AVX, AVX2 or FMA, which the `cfg` above makes part of the whole build; that of
+    // AVX-512 has a `cfg` of its own.
     impl Lanes for Avx2 {
         type Mask = __m256;
+        type Indices = __m256i;
 
         #[inline(always)]
         fn splat(x: f32) -> Self {
@@ -150,6 +178,11 @@ mod avx2 {
         fn load(x: &[f32; WIDTH]) -> Self {
             // SAFETY: the reference is to eight floats, and the load asks for no alignment.
             Self(unsafe { _mm256_loadu_ps(x.as_ptr()) })
+        }
+        #[inline(always)]
+        fn load_half(x: &[f32; WIDTH / 2]) -> Self {
+            // SAFETY: the reference is to four floats, and the load asks for no alignment.
+            Self(unsafe { _mm256_zextps128_ps256(_mm_loadu_ps(x.as_ptr())) })
         }
         #[inline(always)]
         fn store(self) -> [f32; WIDTH] {
@@ -173,6 +206,10 @@ mod avx2 {
         #[inline(always)]
         fn div(self, b: Self) -> Self {
             Self(unsafe { _mm256_div_ps(self.0, b.0) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(unsafe { _mm256_sqrt_ps(self.0) })
         }
         #[inline(always)]
         fn mul_add(self, b: Self, c: Self) -> Self {
@@ -213,6 +250,24 @@ mod avx2 {
         #[inline(always)]
         fn bits(mask: Self::Mask) -> u32 {
             (unsafe { _mm256_movemask_ps(mask) }) as u32
+        }
+        #[inline(always)]
+        fn indices(nibbles: u32) -> Self::Indices {
+            // The bits above are those of other lanes, and `pick` does not look at them.
+            unsafe {
+                let shifts = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+                _mm256_srlv_epi32(_mm256_set1_epi32(nibbles as i32), shifts)
+            }
+        }
+        #[inline(always)]
+        fn pick(low: Self, high: Self, at: Self::Indices) -> Self {
+            #[cfg(all(target_feature = "avx512f", target_feature = "avx512vl"))]
+            return Self(unsafe { _mm256_permutex2var_ps(low.0, at, high.0) });
+            #[cfg(not(all(target_feature = "avx512f", target_feature = "avx512vl")))]
+            unsafe {
+                let (low, high) = (_mm256_permutevar8x32_ps(low.0, at), _mm256_permutevar8x32_ps(high.0, at));
+                Self(_mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at))))
+            }
         }
     }
 }

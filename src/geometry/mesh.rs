@@ -1,12 +1,13 @@
 //! One triangle mesh with its own hierarchy, in its own space.
 
+use super::huge_pages::with_huge_pages;
 use super::lanes::{Lanes, Native};
 use super::nearest::traverse_nearest;
 use super::offset::gamma;
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
 use super::traversal::traverse;
 use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
-use super::wide_bvh::WideBvh;
+use super::wide_bvh::{Block, NONE, WideBvh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,7 +22,10 @@ const GREATEST: f32 = 1.0e18;
 pub struct MeshGeometry {
     bvh: WideBvh,
     blocks: Vec<TriangleBlock>,
-    vertices: Vec<[Vec3; 3]>,
+    /// The last one is zero.
+    positions: Vec<Vec3>,
+    /// Places in `positions`; three times the last one for a triangle that was dropped.
+    triangles: Vec<[u32; 3]>,
     normals: Vec<Vec3>,
     dropped: usize,
     reversed: bool,
@@ -37,27 +41,25 @@ impl MeshGeometry {
 
     /// As [`Self::build`]; where `reversed`, the front of a triangle sees it clockwise.
     pub fn build_oriented(positions: &[Vec3], triangles: &[[u32; 3]], reversed: bool) -> Self {
-        let corners = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
-            let at = |i: u32| positions.get(i as usize).copied().filter(|p| is_usable(*p));
-            Some([at(t[0])?, at(t[1])?, at(t[2])?])
+        let (positions, triangles, dropped) = usable_triangles(positions, triangles);
+        let corners = |i: u32| triangles[i as usize].map(|vertex| positions[vertex as usize]);
+        let all = 0..triangles.len() as u32;
+        let normal = |i| if reversed { -unit_normal(&corners(i)) } else { unit_normal(&corners(i)) };
+        let mut normals = with_huge_pages(triangles.len());
+        (0..triangles.len()).into_par_iter().map(|i| normal(i as u32)).collect_into_vec(&mut normals);
+        let solid = |v: [Vec3; 3]| v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
+        let kept: Vec<u32> = all.filter(|&i| solid(corners(i))).collect();
+        let mut boxes = with_huge_pages(kept.len());
+        kept.par_iter().map(|&i| Aabb::from_points(&corners(i))).collect_into_vec(&mut boxes);
+        let holds = |block: &[u32]| TriangleBlock::holds(block.iter().map(|&i| corners(kept[i as usize])));
+        let (bvh, leaves) = WideBvh::build(&boxes, 8, holds);
+        let block = |leaf: &Block| {
+            let ids = leaf.map(|lane| kept.get(lane as usize).copied().unwrap_or(NONE));
+            TriangleBlock::new(ids, corners)
         };
-        let corners: Vec<Option<[Vec3; 3]>> = triangles.par_iter().map(corners).collect();
-        let dropped = corners.iter().filter(|c| c.is_none()).count();
-        let vertices: Vec<[Vec3; 3]> = corners.par_iter().map(|c| c.unwrap_or_default()).collect();
-        let normals: Vec<Vec3> =
-            vertices.par_iter().map(|v| if reversed { -unit_normal(v) } else { unit_normal(v) }).collect();
-        let solid = |v: &[Vec3; 3]| v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-        let kept: Vec<u32> = (0..vertices.len() as u32).filter(|&i| solid(&vertices[i as usize])).collect();
-        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| Aabb::from_points(&vertices[i as usize])).collect();
-        let (bvh, blocks) = WideBvh::build(&boxes, 8);
-        let blocks = blocks
-            .par_iter()
-            .map(|block| {
-                let ids = block.map(|lane| kept.get(lane as usize).copied().unwrap_or(super::wide_bvh::NONE));
-                TriangleBlock::new(ids, &vertices, &normals)
-            })
-            .collect();
-        Self { bvh, blocks, vertices, normals, dropped, reversed }
+        let mut blocks = with_huge_pages(leaves.len());
+        leaves.par_iter().map(block).collect_into_vec(&mut blocks);
+        Self { bvh, blocks, positions, triangles, normals, dropped, reversed }
     }
 
     /// Triangles that were left out because a coordinate or an index cannot be used.
@@ -74,13 +76,14 @@ impl MeshGeometry {
     pub fn memory(&self) -> usize {
         size_of_val(&*self.bvh.nodes)
             + size_of_val(&*self.blocks)
-            + size_of_val(&*self.vertices)
+            + size_of_val(&*self.positions)
+            + size_of_val(&*self.triangles)
             + size_of_val(&*self.normals)
     }
 
     /// Number of triangles given to the build.
     pub fn triangle_count(&self) -> usize {
-        self.vertices.len()
+        self.triangles.len()
     }
 
     /// Box around all triangles that can be hit.
@@ -89,8 +92,9 @@ impl MeshGeometry {
     }
 
     /// Corners of a triangle, in the order of its indices (zeros where it was dropped).
+    #[inline]
     pub fn triangle(&self, triangle: u32) -> [Vec3; 3] {
-        self.vertices[triangle as usize]
+        self.triangles[triangle as usize].map(|i| self.positions[i as usize])
     }
 
     /// Unit normal on the front side of a triangle.
@@ -108,7 +112,7 @@ impl MeshGeometry {
     /// move it within the plane.
     #[inline]
     pub fn point(&self, triangle: u32, u: f32, v: f32) -> (Vec3, Vec3) {
-        let [v0, v1, v2] = self.vertices[triangle as usize];
+        let [v0, v1, v2] = self.triangle(triangle);
         let (e1, e2) = (u * (v1 - v0), v * (v2 - v0));
         (v0 + (e1 + e2), gamma(10) * (e1.abs() + e2.abs()) + gamma(2) * v0.abs())
     }
@@ -166,7 +170,7 @@ impl MeshGeometry {
             let block = &self.blocks[block as usize];
             let distances = block.squared_distances::<Native>(center);
             for (lane, _) in distances.iter().enumerate().filter(|(_, d)| **d <= squared) {
-                for corner in self.vertices[block.ids[lane] as usize] {
+                for corner in self.triangle(block.ids[lane]) {
                     least = least.min(n.dot(corner - center));
                 }
             }
@@ -188,8 +192,7 @@ impl MeshGeometry {
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
         let mut shear = None;
         let mut closest = None;
-        traverse::<L, true>(&self.bvh, ray, |block, mut t_max| {
-            let block = &self.blocks[block as usize];
+        traverse::<L, true, _>(&self.bvh, &self.blocks, ray, |block, mut t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(hits) = block.intersect(shear, t_max) {
                 for lane in bits(hits.mask) {
@@ -213,9 +216,9 @@ impl MeshGeometry {
     pub(super) fn occluded_with<L: Lanes>(&self, ray: &Ray) -> bool {
         let mut shear = None;
         let mut found = false;
-        traverse::<L, false>(&self.bvh, ray, |block, t_max| {
+        traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            found = self.blocks[block as usize].intersect(shear, t_max).is_some();
+            found = block.intersect(shear, t_max).is_some();
             if found { -1.0 } else { t_max }
         });
         found
@@ -231,8 +234,7 @@ impl MeshGeometry {
     #[inline(always)]
     fn visit_hits_with<L: Lanes>(&self, ray: &Ray, mut visit: impl FnMut(MeshHit)) {
         let mut shear = None;
-        traverse::<L, false>(&self.bvh, ray, |block, t_max| {
-            let block = &self.blocks[block as usize];
+        traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(found) = block.intersect(shear, t_max) {
                 for lane in bits(found.mask) {
@@ -270,6 +272,33 @@ impl MeshGeometry {
 /// Whether a position is finite, and small enough to compute with.
 pub(super) fn is_usable(p: Vec3) -> bool {
     p.abs().cmple(Vec3::splat(GREATEST)).all()
+}
+
+/// Positions and one more, which is zero; triangles, with that one as all corners where they cannot be used; how many of
+/// these there are.
+fn usable_triangles(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>, usize) {
+    let usable = |i: &u32| positions.get(*i as usize).is_some_and(|p| is_usable(*p));
+    let is_usable = |t: &[u32; 3]| t.iter().all(usable);
+    let dropped = triangles.par_iter().filter(|t| !is_usable(t)).count();
+    // Of positions that many meshes share, each keeps its own.
+    let own = 3 * triangles.len() < positions.len();
+    let zero = if own { 3 * triangles.len() } else { positions.len() };
+    let mut kept_positions = with_huge_pages(zero + 1);
+    if own {
+        let at = |i: &u32| positions.get(*i as usize).copied().unwrap_or_default();
+        kept_positions.extend(triangles.iter().flatten().map(at));
+    } else {
+        kept_positions.extend_from_slice(positions);
+    }
+    kept_positions.push(Vec3::ZERO);
+    let place = |(i, t): (usize, &[u32; 3])| match (is_usable(t), own) {
+        (false, _) => [zero as u32; 3],
+        (true, true) => [0, 1, 2].map(|corner| 3 * i as u32 + corner),
+        (true, false) => *t,
+    };
+    let mut kept_triangles = with_huge_pages(triangles.len());
+    triangles.par_iter().enumerate().map(place).collect_into_vec(&mut kept_triangles);
+    (kept_positions, kept_triangles, dropped)
 }
 
 /// The set bits of a lane mask.

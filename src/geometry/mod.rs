@@ -13,6 +13,7 @@
 
 mod containment;
 mod distance;
+mod huge_pages;
 mod lanes;
 mod mesh;
 mod nearest;

@@ -139,7 +139,7 @@ impl SceneGeometry {
             .filter(|&i| bounds[i as usize].max.is_finite())
             .collect();
         let boxes: Vec<Aabb> = kept.iter().map(|&i| bounds[i as usize]).collect();
-        let (bvh, blocks) = WideBvh::build(&boxes, 1);
+        let (bvh, blocks) = WideBvh::build(&boxes, 1, |_| true);
         let leaves = blocks.iter().map(|block| kept[block[0] as usize]).collect();
         Ok(Self { geometries, instances: placed, bvh, leaves })
     }
@@ -180,8 +180,7 @@ impl SceneGeometry {
     /// Closest hit.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let mut closest = None;
-        traverse::<Native, true>(&self.bvh, ray, |leaf, t_max| {
-            let instance = self.leaves[leaf as usize];
+        traverse::<Native, true, _>(&self.bvh, &self.leaves, ray, |&instance, t_max| {
             match self.intersect_instance(instance, &Ray { t_max, ..*ray }) {
                 Some(hit) if hit.t < t_max => {
                     closest = Some(hit);
@@ -196,8 +195,7 @@ impl SceneGeometry {
     /// Whether anything is hit.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut found = false;
-        traverse::<Native, false>(&self.bvh, ray, |leaf, t_max| {
-            let instance = self.leaves[leaf as usize];
+        traverse::<Native, false, _>(&self.bvh, &self.leaves, ray, |&instance, t_max| {
             found = self.mesh_of(instance).occluded(&self.transform(instance).inverse_ray(ray));
             if found { -1.0 } else { t_max }
         });

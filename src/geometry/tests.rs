@@ -259,6 +259,25 @@ fn builds_are_deterministic_and_boxes_are_exact() {
 }
 
 #[test]
+fn positions_that_no_triangle_uses_are_not_kept() {
+    let (mut positions, mut triangles) = sphere(2, 0.2, 26);
+    triangles[7] = [0, 1, u32::MAX];
+    let few = MeshGeometry::build(&positions, &triangles);
+    positions.resize(100_000, Vec3::ONE);
+    let many = MeshGeometry::build(&positions, &triangles);
+    assert_eq!((few.dropped(), many.dropped()), (1, 1));
+    assert!(many.memory() < 2 * few.memory(), "{} bytes for {}", many.memory(), few.memory());
+    for i in 0..triangles.len() as u32 {
+        assert_eq!(few.triangle(i), many.triangle(i));
+    }
+    let mut random = Random(27);
+    for _ in 0..2000 {
+        let ray = Ray::new(2.0 * random.cube(), random.direction());
+        assert_eq!(few.intersect(&ray), many.intersect(&ray));
+    }
+}
+
+#[test]
 fn points_are_inside_where_they_should_be() {
     let outer = cuboid(Vec3::splat(-1.0), Vec3::splat(1.0));
     let inner = super::shapes::reverse(cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)));

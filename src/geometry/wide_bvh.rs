@@ -13,23 +13,29 @@
 //!
 //! A leaf holds up to `capacity` primitives and costs one test, since one block of lanes tests them all at once.
 
+use super::huge_pages::{on_huge_pages, with_huge_pages};
 use super::lanes::WIDTH;
 use super::ray::Aabb;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use rayon::prelude::*;
 
 /// Bit of a child reference that marks a leaf; the other bits are its block.
 pub(super) const LEAF: u32 = 1 << 31;
 /// The primitive of an unused lane of a block.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Primitives that fit into a block whatever they are.
+const ANY: u32 = 4;
+/// Part of the binary nodes that are tried elsewhere in the tree.
+const REINSERTED: f32 = 0.02;
 /// Price of testing a block of primitives, in visits of a node.
 const BLOCK_COST: f32 = 1.0;
 
 /// Eight child boxes and what they hold. An unused child has an empty box.
 #[derive(Clone, Copy)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower x, y, z, upper x, y, z of each child.
     pub planes: [[f32; WIDTH]; 6],
@@ -72,14 +78,15 @@ pub(super) struct WideBvh {
 pub(super) type Block = [u32; WIDTH];
 
 impl WideBvh {
-    /// Builds over finite boxes, with `1 <= capacity <= 8` primitives a leaf. Deterministic.
-    pub fn build(boxes: &[Aabb], capacity: u32) -> (Self, Vec<Block>) {
+    /// Builds over finite boxes, with `1 <= capacity <= 8` primitives a leaf, those which a block `holds`: any four, and
+    /// of more some. Deterministic.
+    pub fn build(boxes: &[Aabb], capacity: u32, holds: impl Fn(&[u32]) -> bool + Sync) -> (Self, Vec<Block>) {
         let bounds = boxes.iter().fold(Aabb::EMPTY, |a, &b| a.union(b));
         if boxes.is_empty() {
             return (Self { nodes: Vec::new(), bounds, depth: 0 }, Vec::new());
         }
         let binary = build_binary(boxes, &bounds);
-        Collapse::new(&binary, boxes, capacity).run(bounds)
+        Collapse::new(&binary, boxes, capacity, holds).run(bounds)
     }
 }
 
@@ -88,30 +95,25 @@ fn build_binary(boxes: &[Aabb], bounds: &Aabb) -> Bvh2 {
     let center = bounds.center();
     let scale = 1.0 / bounds.extent().max_element().max(f32::MIN_POSITIVE);
     let unit = |p: Vec3| Vec3A::from((p - center) * scale);
-    let scaled: Vec<obvhs::aabb::Aabb> =
-        boxes.iter().map(|b| obvhs::aabb::Aabb::new(unit(b.min), unit(b.max))).collect();
+    let scaled = |b: &Aabb| ScaledBox(obvhs::aabb::Aabb::new(unit(b.min), unit(b.max)));
+    let mut primitives = with_huge_pages(boxes.len());
+    boxes.par_iter().map(scaled).collect_into_vec(&mut primitives);
     let indices = (0..boxes.len() as u32).collect();
     let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
-        &ScaledBoxes::wrap(scaled),
+        &primitives,
         indices,
         SortPrecision::U64,
         2,
     );
-    ReinsertionOptimizer::default().run(&mut tree, 0.05, None);
+    ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     tree
 }
 
 /// A box that `obvhs` accepts as a primitive.
-struct ScaledBoxes(obvhs::aabb::Aabb);
+struct ScaledBox(obvhs::aabb::Aabb);
 
-impl ScaledBoxes {
-    fn wrap(boxes: Vec<obvhs::aabb::Aabb>) -> Vec<Self> {
-        boxes.into_iter().map(Self).collect()
-    }
-}
-
-impl obvhs::Boundable for ScaledBoxes {
+impl obvhs::Boundable for ScaledBox {
     fn aabb(&self) -> obvhs::aabb::Aabb {
         self.0
     }
@@ -138,8 +140,8 @@ struct Collapse<'a> {
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2, boxes: &[Aabb], capacity: u32) -> Self {
-        let mut order = Vec::with_capacity(binary.nodes.len());
+    fn new(binary: &'a Bvh2, boxes: &[Aabb], capacity: u32, holds: impl Fn(&[u32]) -> bool + Sync) -> Self {
+        let mut order = with_huge_pages(binary.nodes.len());
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
             order.push(index);
@@ -150,12 +152,14 @@ impl<'a> Collapse<'a> {
             }
         }
         let empty = Plan { cost: [0.0; 7], split: [0; 9], fewer: 0, bounds: Aabb::EMPTY };
-        let mut this = Self { binary, capacity, order, plans: vec![empty; binary.nodes.len()] };
-        this.plan(boxes);
+        let mut plans = with_huge_pages(binary.nodes.len());
+        plans.resize(binary.nodes.len(), empty);
+        let mut this = Self { binary, capacity, order, plans };
+        this.plan(boxes, holds);
         this
     }
 
-    fn plan(&mut self, boxes: &[Aabb]) {
+    fn plan(&mut self, boxes: &[Aabb], holds: impl Fn(&[u32]) -> bool + Sync) {
         let binary = self.binary;
         let mut counts = vec![0_u32; binary.nodes.len()];
         for &index in self.order.iter().rev() {
@@ -189,7 +193,10 @@ impl<'a> Collapse<'a> {
             }
             plan.cost[0] = distribute[WIDTH] + area;
             plan.split[1] = 1;
-            if counts[index] <= self.capacity && plan.cost[0] >= area * BLOCK_COST {
+            if counts[index] <= self.capacity
+                && plan.cost[0] >= area * BLOCK_COST
+                && (counts[index] <= ANY || holds(&self.block(index as u32)[..counts[index] as usize]))
+            {
                 plan.cost[0] = area * BLOCK_COST;
                 plan.split[1] = 0;
             }
@@ -271,6 +278,6 @@ impl<'a> Collapse<'a> {
             }
             work[first..].reverse();
         }
-        (WideBvh { nodes, bounds, depth }, blocks)
+        (WideBvh { nodes: on_huge_pages(&nodes), bounds, depth }, blocks)
     }
 }
