@@ -310,45 +310,6 @@ fn division_is_close_to_a_walk_on_the_microsurface() {
     assert!(worst[1] < 0.06, "mean cosine of transmitted light differs by {}", worst[1]);
 }
 
-#[test]
-#[ignore = "timings"]
-fn timings() {
-    for eta in [1.01f32, 1.5, 2.5] {
-        let start = std::time::Instant::now();
-        let tables = BoundaryTables::new(eta);
-        println!("tables of {}: {:.1} ms", tables.eta(), start.elapsed().as_secs_f64() * 1e3);
-    }
-    let mut rng = Rng::new(1);
-    let n = 1_000_000;
-    for microfacet in [SINGLE, MULTIPLE] {
-        let b = DielectricBoundary::new(1.5, 0.3, microfacet);
-        let wo = direction(0.8, 0.0);
-        let mut sum = 0.0;
-        let start = std::time::Instant::now();
-        for _ in 0..n {
-            sum += b.sample(wo, rng.next(), rng.vec2()).map_or(0.0, |s| s.wi.x);
-        }
-        let sample = start.elapsed();
-        let start = std::time::Instant::now();
-        for _ in 0..n {
-            sum += b.eval(wo, direction(2.0 * rng.next() - 1.0, 3.0)).x;
-        }
-        let eval = start.elapsed();
-        let start = std::time::Instant::now();
-        for i in 0..n {
-            sum += DielectricBoundary::new(1.5, 0.1 + 1e-7 * i as f32, microfacet).alpha;
-        }
-        let new = start.elapsed();
-        let ns = |d: std::time::Duration| d.as_nanos() / n as u128;
-        println!(
-            "{microfacet:?}: sample {} ns, eval {} ns, new {} ns ({sum})",
-            ns(sample),
-            ns(eval),
-            ns(new)
-        );
-    }
-}
-
 /// Grazing directions, extreme indices, the ends of the unit interval: nothing but finite numbers.
 #[test]
 fn extremes_give_finite_numbers() {

@@ -9,6 +9,7 @@ mod direct;
 mod dispersion;
 mod emerge;
 mod ground;
+mod leave;
 mod media;
 mod path;
 mod pixel;
