@@ -5,6 +5,7 @@
 
 pub mod arctangent;
 pub mod distribution;
+pub mod exponential;
 pub mod fast_math;
 pub mod frame;
 pub mod mis;

@@ -38,6 +38,8 @@ use glam::{Mat3, Vec3, Vec3A};
 
 /// q. Measured on slabs (which like more) and thick objects (which like less).
 const SHARE: f32 = 0.4;
+/// Most events of a guided stretch: the products of longer ones differ more from those of plain ones.
+const LONGEST_GUIDED: usize = 8;
 /// Strongest guiding.
 const STRONGEST: f32 = 0.8;
 /// Weakest, so that quotients stay accurate.
@@ -55,6 +57,8 @@ const LARGEST_EXPONENT: f32 = 80.0;
 pub(super) trait Steering {
     /// Whether some ways are other than plain.
     const GUIDED: bool;
+    /// Most events of a stretch.
+    const LONGEST: usize = LONGEST_STRETCH;
     /// A few events.
     type Stretch<'a>: Ways
     where
@@ -153,7 +157,7 @@ pub(super) struct Guide {
     /// −2 artanh c = ln((1 − c)/(1 + c)).
     log_range: Vec3A,
     /// K^n.
-    powers: [Vec3A; LONGEST_STRETCH + 1],
+    powers: [Vec3A; LONGEST_GUIDED + 1],
     isotropic: bool,
 }
 
@@ -173,7 +177,7 @@ impl Guide {
         let strength = squared.map(|c2| c2.sqrt().clamp(WEAKEST, STRONGEST));
         let log_range = strength.map(|s| fast_math::ln((1.0 - s) / (1.0 + s)));
         let turn = -2.0 * strength / log_range;
-        let mut powers = [Vec3A::ONE; LONGEST_STRETCH + 1];
+        let mut powers = [Vec3A::ONE; LONGEST_GUIDED + 1];
         for n in 1..powers.len() {
             powers[n] = powers[n - 1] * turn;
         }
@@ -191,6 +195,7 @@ impl Guide {
 
 impl Steering for Guide {
     const GUIDED: bool = true;
+    const LONGEST: usize = LONGEST_GUIDED;
     type Stretch<'a> = Stretch<'a>;
 
     #[inline]

@@ -214,7 +214,7 @@ fn walk_steered<S: Steering>(
     let arrival = 'walk: loop {
         let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
         let mut stretch = steering.stretch(channel, p, d, sampler.rng());
-        let most = c.stretch.min((flight.budget - head.events) as usize);
+        let most = c.stretch.min(S::LONGEST).min((flight.budget - head.events) as usize);
         let (mut collisions, mut length, mut jumps) = (0, 0.0, false);
         while collisions < most {
             let t = stretch.flight(next_flight * mean_free_path, d);
@@ -359,7 +359,7 @@ fn walk_in_scene(
 }
 
 /// A new direction of travel.
-#[inline]
+#[inline(always)]
 pub(super) fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3 {
     if phase.g == 0.0 { uniform_direction(rng) } else { phase.sample(incoming, rng.vec2()).0 }
 }

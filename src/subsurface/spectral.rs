@@ -18,11 +18,13 @@ use crate::sampling::{SmallRng, fast_math};
 use glam::{Vec3, Vec3A};
 
 /// Most events of a stretch.
-pub(super) const LONGEST_STRETCH: usize = 8;
+pub(super) const LONGEST_STRETCH: usize = 32;
 /// Albedo to the power of a stretch's events is at least this.
 const STRETCH_SURVIVAL: f32 = 0.5;
 /// Ratio of extinctions beyond which every event is a stretch of its own.
 const LARGEST_CONTRAST: f32 = 1e3;
+/// Powers of that ratio that a stretch may come to.
+const LARGEST_POWER: f32 = 1e24;
 
 /// Coefficients of a homogeneous medium in the units of the walk.
 #[derive(Clone, Copy)]
@@ -49,7 +51,10 @@ impl Coefficients {
         let stretch = if largest > LARGEST_CONTRAST * least {
             1
         } else {
-            ((STRETCH_SURVIVAL.ln() / albedo.ln()) as usize).clamp(1, LONGEST_STRETCH)
+            let expressible = LARGEST_POWER.ln() / (largest / least).ln();
+            // Where nothing is absorbed the logarithm is zero, which is not a reason for short stretches.
+            let surviving = STRETCH_SURVIVAL.ln() / albedo.min(1.0 - f32::EPSILON).ln();
+            (surviving.min(expressible) as usize).clamp(1, LONGEST_STRETCH)
         };
         let inverse_diffusion_length = std::array::from_fn(|i| {
             let albedo = if sigma_t[i] > 0.0 { sigma_s[i] * scale / sigma_t[i] } else { 0.0 };
@@ -152,7 +157,7 @@ impl Coefficients {
 /// A free flight in mean free paths.
 #[inline]
 pub(super) fn draw_flight(rng: &mut SmallRng) -> f32 {
-    -fast_math::ln(rng.open01())
+    rng.exponential()
 }
 
 /// A channel drawn with probability proportional to `weights`.

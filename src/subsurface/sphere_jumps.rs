@@ -21,13 +21,15 @@ use glam::{Mat3, Vec3, Vec3A};
 use std::sync::OnceLock;
 
 /// Least radius in the longest transport mean free path.
-const LEAST: f32 = 4.0;
+const LEAST: f32 = 2.0;
+/// Radii that are skipped where scattering is not isotropic: similarity needs more room.
+const NOT_SIMILAR: usize = 2;
 /// Radii to a doubling.
 const STEPS: f32 = 2.0;
 /// Most radii.
 const MOST: usize = 24;
 /// Radii with angles of their own.
-const ANGLES: usize = 5;
+const ANGLES: usize = 7;
 /// Angles of each.
 const SAMPLES: usize = 8192;
 
@@ -37,6 +39,8 @@ pub(super) struct SphereJumps {
     radii: Vec<f32>,
     /// T of each radius.
     through: Vec<Vec3A>,
+    /// Radii that have been skipped.
+    skipped: usize,
     /// g/(1 − g).
     memory: f32,
     /// Room that a jump needs.
@@ -55,7 +59,8 @@ impl SphereJumps {
         }
         let memory = g / (1.0 - g);
         let shift = memory / (sigma_a + sigma_s).min_element();
-        let radii: Vec<f32> = (0..MOST)
+        let skipped = if g > 0.0 { NOT_SIMILAR } else { 0 };
+        let radii: Vec<f32> = (skipped..MOST)
             .map(|i| LEAST * longest * (i as f32 / STEPS).exp2())
             .take_while(|radius| radius + shift < 0.5 * size)
             .collect();
@@ -65,7 +70,7 @@ impl SphereJumps {
             spheres[i].transmittance(f64::from(radius) * f64::from(extinction[i])) as f32
         };
         let through = radii.iter().map(|&r| Vec3A::new(left(r, 0), left(r, 1), left(r, 2))).collect();
-        Some(Self { radii, through, memory, room })
+        Some(Self { radii, through, skipped, memory, room })
     }
 }
 
@@ -100,7 +105,7 @@ impl Steering for Jumping<'_> {
         let shift = if jumps.memory > 0.0 { jumps.memory * c.draw_channel(beta, rng).1 } else { 0.0 };
         let i = jumps.radii.partition_point(|radius| radius + shift <= clear).max(1) - 1;
         let normal = uniform_direction(rng);
-        let angles = angles(i);
+        let angles = angles(jumps.skipped + i);
         let cos = angles[((rng.f32() * SAMPLES as f32) as usize).min(SAMPLES - 1)];
         let (x, y) = orthonormal_basis(normal);
         let (sin_phi, cos_phi) = (std::f32::consts::TAU * rng.f32()).sin_cos();
