@@ -35,9 +35,9 @@ impl Loader<'_> {
             return Err(lens.error_at("yfov", format!("{yfov} is not between 0 and π")));
         }
         let aspect = match lens.f64("aspectRatio")? {
-            Some(aspect) if aspect > 0.0 => Some(aspect as f32),
+            Some(aspect) if aspect as f32 > 0.0 && (aspect as f32).is_finite() => Some(aspect as f32),
             Some(aspect) => {
-                self.invalid(&lens.pointer_to("aspectRatio"), format!("{aspect} is not above 0"))?;
+                self.invalid(&lens.pointer_to("aspectRatio"), format!("{aspect} is no shape of a picture"))?;
                 None
             }
             None => None,

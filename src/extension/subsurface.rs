@@ -144,18 +144,18 @@ fn coefficient(own: &Json<'_>, key: &str, density: f64) -> Result<Vec3, AssetErr
     Ok(Vec3::from(values.map(|v| (v * density).min(f64::from(MAX_COEFFICIENT)) as f32)))
 }
 
-/// The extension's own index, else that of `KHR_materials_ior`, else 1.5.
+/// The extension's own index, else that of `KHR_materials_ior`, else 1.5; no more than what stands for infinity there.
 fn index(
     loader: &mut Loader<'_>,
     own: &Json<'_>,
     material: &Json<'_>,
     out: &MaterialDescription,
 ) -> Result<f32, AssetError> {
-    if let Some(ior) = own.f64("ior")? {
-        if ior < 1.0 {
-            return Err(own.error_at("ior", format!("{ior} is below 1")));
+    if let Some(index) = own.f64("ior")? {
+        if index < 1.0 {
+            return Err(own.error_at("ior", format!("{index} is below 1")));
         }
-        return Ok(ior as f32);
+        return Ok((index as f32).min(ior::MIRROR_IOR));
     }
     if let Some(other) = material.extension(ior::NAME)
         && other.f64("ior")?.is_some_and(|ior| ior < 1.0)

@@ -54,6 +54,7 @@ fn subsurface_index_and_transmission_come_from_where_they_should() {
     for (extensions, ior, transmission) in [
         (json!({OURS: {}, "KHR_materials_ior": {"ior": 1.7}}), 1.7, 1.0),
         (json!({OURS: {"ior": 1.2}, "KHR_materials_ior": {"ior": 1.7}}), 1.2, 1.0),
+        (json!({OURS: {"ior": 1e300}, "KHR_materials_ior": {"ior": 1.7}}), 1e4, 1.0),
         (json!({OURS: {}, "KHR_materials_transmission": {"transmissionFactor": 0.25}}), 1.5, 0.25),
         (json!({OURS: {}, "KHR_materials_transmission": {}}), 1.5, 0.0),
         (json!({OURS: {}, "KHR_materials_ior": {"ior": 0}}), 1.5, 1.0),
