@@ -131,6 +131,15 @@ impl TriangleBlock {
         [low.sub(origin), high.sub(origin)]
     }
 
+    /// The three vertices of each lane, axis by axis, from rows of corners.
+    #[inline(always)]
+    fn vertices<L: Lanes>(&self, rows: [[L; 2]; 3]) -> [[L; 3]; 3] {
+        self.corners.map(|nibbles| {
+            let at = L::indices(nibbles);
+            rows.map(|[low, high]| L::pick(low, high, at))
+        })
+    }
+
     /// Hits with `0 < t < t_max`.
     #[inline(always)]
     pub fn intersect<L: Lanes>(&self, ray: &ShearRay<L>, t_max: f32) -> Option<BlockHits> {
@@ -176,11 +185,7 @@ impl TriangleBlock {
     /// Distances to the planes of the triangles.
     #[inline(always)]
     fn plane_distances<L: Lanes>(&self, ray: &ShearRay<L>) -> L {
-        let rows = [0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k]));
-        let corners = self.corners.map(|nibbles| {
-            let at = L::indices(nibbles);
-            rows.map(|row| L::pick(row[0], row[1], at))
-        });
+        let corners = self.vertices([0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k])));
         let normal = normals(&corners);
         dot(&normal, &corners[0]).div(dot(&normal, &ray.direction))
     }
@@ -191,11 +196,7 @@ impl TriangleBlock {
         let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
         let zero = L::splat(0.0);
         let one = L::splat(1.0);
-        let rows = [0, 1, 2].map(|axis| self.row(axis, zero));
-        let corners = self.corners.map(|nibbles| {
-            let at = L::indices(nibbles);
-            rows.map(|row| L::pick(row[0], row[1], at))
-        });
+        let corners = self.vertices([0, 1, 2].map(|axis| self.row(axis, zero)));
         let normal = normals(&corners);
         let normal = normal.map(|x| x.div(dot(&normal, &normal).sqrt()));
         let mut nearest = L::splat(f32::INFINITY);

@@ -169,8 +169,7 @@ impl Blocks {
 #[inline]
 fn cell(n: Vec3) -> usize {
     let p = n.truncate() / (n.x.abs() + n.y.abs() + n.z.abs());
-    let folded = (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
-    let p = if n.z < 0.0 { folded } else { p };
+    let p = if n.z < 0.0 { folded(p) } else { p };
     let side = |x: f32| (((x * 0.5 + 0.5) * NORMALS as f32) as usize).min(NORMALS - 1);
     side(p.y) * NORMALS + side(p.x)
 }
@@ -180,8 +179,13 @@ fn middle(cell: usize) -> Vec3 {
     let side = |i: usize| (i as f32 + 0.5) / NORMALS as f32 * 2.0 - 1.0;
     let p = Vec2::new(side(cell % NORMALS), side(cell / NORMALS));
     let z = 1.0 - p.x.abs() - p.y.abs();
-    let folded = (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p);
-    (if z < 0.0 { folded } else { p }).extend(z).normalize()
+    (if z < 0.0 { folded(p) } else { p }).extend(z).normalize()
+}
+
+/// The lower half of the octahedron, folded outwards; its own inverse.
+#[inline]
+fn folded(p: Vec2) -> Vec2 {
+    (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p)
 }
 
 #[cfg(test)]

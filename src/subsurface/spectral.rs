@@ -166,3 +166,38 @@ fn pick_channel(weights: Vec3A, u: f32) -> usize {
     let u = u * weights.element_sum();
     usize::from(u >= weights.x) + usize::from(u >= weights.x + weights.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Long where light lasts, one event beside nearly nothing else, never so long that powers leave what floats hold.
+    #[test]
+    fn stretches_are_as_long_as_light_and_floats_last() {
+        let stretch = |a: Vec3, s: Vec3| {
+            let c = Coefficients::new(a, s, 0.0, 1.0);
+            let powers = (0..=c.stretch).flat_map(|n| [c.scattering[n], c.extinction[n]]);
+            assert!(powers.into_iter().all(|p| p.min_element() >= f32::MIN_POSITIVE), "{a} {s}");
+            c.stretch
+        };
+        assert_eq!(stretch(Vec3::ZERO, Vec3::splat(3.0)), LONGEST_STRETCH);
+        assert_eq!(stretch(Vec3::new(0.0, 1.0, 2.0), Vec3::new(3.0, 2.0, 1.0)), LONGEST_STRETCH);
+        assert_eq!(stretch(Vec3::splat(0.001), Vec3::ONE), LONGEST_STRETCH);
+        // 0.9⁶ > ½ > 0.9⁷.
+        assert_eq!(stretch(Vec3::splat(0.1), Vec3::splat(0.9)), 6);
+        assert_eq!(stretch(Vec3::splat(0.9), Vec3::splat(0.1)), 1);
+        assert_eq!(stretch(Vec3::ZERO, Vec3::new(1.0, 100.0, 900.0)), 8);
+        assert_eq!(stretch(Vec3::ZERO, Vec3::new(1.0, 1.0, 1001.0)), 1);
+    }
+
+    /// However a stretch is cut, its weight is the same for a gray medium, and powers of the albedo.
+    #[test]
+    fn long_stretches_weigh_as_many_short_ones() {
+        let c = Coefficients::new(Vec3::splat(0.001), Vec3::splat(0.999), 0.0, 1.0);
+        let once = c.weigh(Vec3A::ONE, 32, 30.0);
+        let often = (0..32).fold(Vec3A::ONE, |beta, _| c.weigh(beta, 1, 30.0 / 32.0));
+        // 32 products, each rounded a few times.
+        assert!((once / often - 1.0).abs().max_element() < 1e-5, "{once} {often}");
+        assert!((once.x / 0.999_f32.powi(32) - 1.0).abs() < 1e-5, "{once}");
+    }
+}

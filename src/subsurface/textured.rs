@@ -98,7 +98,7 @@ impl<'a> TexturedMedium<'a> {
         }
         let (mut t, mut transmittance) = (0.0, Vec3::ONE);
         loop {
-            t -= rng.open01().ln() / majorant;
+            t += rng.exponential() / majorant;
             if t >= length {
                 return transmittance;
             }
@@ -129,7 +129,7 @@ pub(super) fn propagate(
     // The boundary is at least that far.
     let mut clear = 0.0;
     loop {
-        let t = if majorant > 0.0 { -sampler.rng().open01().ln() / majorant } else { f32::INFINITY };
+        let t = if majorant > 0.0 { sampler.rng().exponential() / majorant } else { f32::INFINITY };
         if (t >= clear || !alone)
             && let Some(hit) =
                 intersect(flight, alone, &Ray { origin: head.position, direction: head.direction, t_max: t })

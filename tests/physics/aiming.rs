@@ -81,7 +81,7 @@ fn lamps_around_and_a_patch_of_sky_have_their_light() {
         add_lamp(&mut scene, Vec3::new(0.05, 0.04, 0.02), 0.01, Vec3::new(40.0, 30.0, 20.0));
         add_lamp(&mut scene, Vec3::new(-0.04, 0.0, -0.03), 0.006, Vec3::new(20.0, 40.0, 60.0));
         add_lamp(&mut scene, Vec3::new(0.0, 0.06, -0.06), 0.02, Vec3::splat(10.0));
-        compare(scene, if roughness == 0.0 { 48 } else { 24 }, what);
+        compare(scene, if roughness == 0.0 { 64 } else { 32 }, what);
     }
 }
 
@@ -96,7 +96,7 @@ fn a_point_light_has_its_light() {
         range: None,
         kind: PunctualKind::Point,
     }];
-    compare(scene, 48, "point light");
+    compare(scene, 64, "point light");
 }
 
 #[test]

@@ -46,14 +46,16 @@ fn a_sphere_inside_of_its_own_medium_cannot_be_seen() {
 #[test]
 fn textures_multiply_coefficients() {
     let alone = ball(with_uvs(icosphere(0.02, 3, false)), 1.4, 0.0);
-    let mut textured = alone.clone();
-    let texture = add_texture(&mut textured, 2, &[Vec3::splat(0.5); 4]);
-    let medium = textured.materials[0].medium.as_mut().expect("a medium");
-    medium.sigma_a *= 2.0;
-    medium.sigma_s *= 2.0;
-    medium.absorption_texture = Some(texture);
-    medium.scattering_texture = Some(texture);
-    assert_same_pictures(textured, alone, 32, "twice the coefficients, half of the texture");
+    for (value, factor) in [(1.0, 1.0), (0.5, 2.0)] {
+        let mut textured = alone.clone();
+        let texture = add_texture(&mut textured, 2, &[Vec3::splat(value); 4]);
+        let medium = textured.materials[0].medium.as_mut().expect("a medium");
+        medium.sigma_a *= factor;
+        medium.sigma_s *= factor;
+        medium.absorption_texture = Some(texture);
+        medium.scattering_texture = Some(texture);
+        assert_same_pictures(textured, alone.clone(), 32, &format!("constant texture {value}"));
+    }
 }
 
 #[test]

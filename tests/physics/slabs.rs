@@ -161,8 +161,10 @@ fn reflectance_and_transmittance_agree_with_adding_doubling() {
     }
 }
 
-/// How far the accelerated walk may be from the truth.
+/// How far the accelerated walk may be from the truth: what is said of it. Its bias was below 0.002 when it was measured, so
+/// with [`ACCELERATED_ERROR`] it has two standard errors to spare.
 const ACCELERATED: f64 = 0.005;
+const ACCELERATED_ERROR: f64 = 0.0015;
 
 #[test]
 fn the_accelerated_walk_is_off_by_less_than_it_says() {
@@ -177,11 +179,11 @@ fn the_accelerated_walk_is_off_by_less_than_it_says() {
             ..options(camera, 24, 0)
         };
         let expected = [0, 1, 2].map(|c| group.channels[c].normal.0);
-        let estimate = measure_to(&scene, &options, expected.map(|e| 0.002 * e));
+        let estimate = measure_to(&scene, &options, expected.map(|e| ACCELERATED_ERROR * e));
         for (c, expected) in expected.into_iter().enumerate() {
             let (off, se) = (estimate.mean[c] / expected - 1.0, estimate.se[c] / expected);
             println!("{case} [{c}]: {off:+.4} ± {se:.4}");
-            assert!(off.abs() < ACCELERATED + 4.0 * se, "{case} [{c}]: {off} ± {se}");
+            assert!(off.abs() < ACCELERATED, "{case} [{c}]: {off} ± {se}");
         }
     }
 }

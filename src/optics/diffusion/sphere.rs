@@ -272,7 +272,8 @@ mod tests {
         }
     }
 
-    /// (3) against (2), beyond the radii that it goes through.
+    /// (3) against (2), beyond the radii that it goes through: twice the error that [`Sphere::transmittance`] states, since both
+    /// have it.
     #[test]
     fn large_spheres_go_on_as_smaller_ones() {
         for albedo in [0.8, 0.99, 0.9995] {
