@@ -16,13 +16,6 @@ pub(super) fn with_huge_pages<T>(capacity: usize) -> Vec<T> {
     vector
 }
 
-/// The same elements, and no room for more.
-pub(super) fn on_huge_pages<T: Copy>(elements: &[T]) -> Vec<T> {
-    let mut vector = with_huge_pages(elements.len());
-    vector.extend_from_slice(elements);
-    vector
-}
-
 #[cfg(target_os = "linux")]
 fn advise(start: *const u8, bytes: usize) {
     use std::ffi::{c_int, c_void};

@@ -20,8 +20,7 @@ const GREATEST: f32 = 1.0e18;
 /// that is not finite or beyond 10¹⁸, an index out of range ([`Self::dropped`] counts both), or two equal corners.
 #[derive(Clone)]
 pub struct MeshGeometry {
-    bvh: WideBvh,
-    blocks: Vec<TriangleBlock>,
+    bvh: WideBvh<TriangleBlock>,
     /// The last one is zero.
     positions: Vec<Vec3>,
     /// Places in `positions`; three times the last one for a triangle that was dropped.
@@ -52,14 +51,12 @@ impl MeshGeometry {
         let mut boxes = with_huge_pages(kept.len());
         kept.par_iter().map(|&i| Aabb::from_points(&corners(i))).collect_into_vec(&mut boxes);
         let holds = |block: &[u32]| TriangleBlock::holds(block.iter().map(|&i| corners(kept[i as usize])));
-        let (bvh, leaves) = WideBvh::build(&boxes, 8, holds);
-        let block = |leaf: &Block| {
-            let ids = leaf.map(|lane| kept.get(lane as usize).copied().unwrap_or(NONE));
+        let leaf = |block: &Block| {
+            let ids = block.map(|lane| kept.get(lane as usize).copied().unwrap_or(NONE));
             TriangleBlock::new(ids, corners)
         };
-        let mut blocks = with_huge_pages(leaves.len());
-        leaves.par_iter().map(block).collect_into_vec(&mut blocks);
-        Self { bvh, blocks, positions, triangles, normals, dropped, reversed }
+        let bvh = WideBvh::build(&boxes, 8, holds, leaf);
+        Self { bvh, positions, triangles, normals, dropped, reversed }
     }
 
     /// Triangles that were left out because a coordinate or an index cannot be used.
@@ -74,8 +71,7 @@ impl MeshGeometry {
 
     /// Bytes of everything that it holds: triangles, their normals, and the hierarchy.
     pub fn memory(&self) -> usize {
-        size_of_val(&*self.bvh.nodes)
-            + size_of_val(&*self.blocks)
+        size_of_val(&*self.bvh.lines)
             + size_of_val(&*self.positions)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.normals)
@@ -153,8 +149,8 @@ impl MeshGeometry {
         let shrink = 1.0 / ((1.0 + slack) * (1.0 + slack));
         let start = upper_bound * upper_bound * shrink;
         let mut least = start;
-        traverse_nearest::<Native>(&self.bvh, p, start, |block, bound| {
-            let squared = self.blocks[block as usize].squared_distances::<Native>(p);
+        traverse_nearest::<Native, _>(&self.bvh, p, start, |block, bound| {
+            let squared = block.squared_distances::<Native>(p);
             let nearest = squared.into_iter().fold(f32::INFINITY, f32::min);
             least = bound.min(nearest * shrink);
             least
@@ -166,8 +162,7 @@ impl MeshGeometry {
     pub(super) fn least_along(&self, n: Vec3, center: Vec3, radius: f32) -> f32 {
         let squared = radius * radius;
         let mut least = f32::INFINITY;
-        traverse_nearest::<Native>(&self.bvh, center, squared, |block, bound| {
-            let block = &self.blocks[block as usize];
+        traverse_nearest::<Native, _>(&self.bvh, center, squared, |block, bound| {
             let distances = block.squared_distances::<Native>(center);
             for (lane, _) in distances.iter().enumerate().filter(|(_, d)| **d <= squared) {
                 for corner in self.triangle(block.ids[lane]) {
@@ -179,20 +174,17 @@ impl MeshGeometry {
         least
     }
 
-    /// Whether both hierarchies are the same, node by node.
+    /// Whether both hierarchies are the same, bit by bit.
     #[cfg(test)]
     pub(super) fn same_layout(&self, other: &Self) -> bool {
-        let children =
-            |mesh: &Self| mesh.bvh.nodes.iter().map(|n| (n.planes, n.children)).collect::<Vec<_>>();
-        let ids = |mesh: &Self| mesh.blocks.iter().map(|b| b.ids).collect::<Vec<_>>();
-        children(self) == children(other) && ids(self) == ids(other)
+        self.bvh.lines == other.bvh.lines
     }
 
     #[inline(always)]
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
         let mut shear = None;
         let mut closest = None;
-        traverse::<L, true, _>(&self.bvh, &self.blocks, ray, |block, mut t_max| {
+        traverse::<L, true, _>(&self.bvh, ray, |block, mut t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(hits) = block.intersect(shear, t_max) {
                 for lane in bits(hits.mask) {
@@ -216,7 +208,7 @@ impl MeshGeometry {
     pub(super) fn occluded_with<L: Lanes>(&self, ray: &Ray) -> bool {
         let mut shear = None;
         let mut found = false;
-        traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
+        traverse::<L, false, _>(&self.bvh, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             found = block.intersect(shear, t_max).is_some();
             if found { -1.0 } else { t_max }
@@ -234,7 +226,7 @@ impl MeshGeometry {
     #[inline(always)]
     fn visit_hits_with<L: Lanes>(&self, ray: &Ray, mut visit: impl FnMut(MeshHit)) {
         let mut shear = None;
-        traverse::<L, false, _>(&self.bvh, &self.blocks, ray, |block, t_max| {
+        traverse::<L, false, _>(&self.bvh, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(found) = block.intersect(shear, t_max) {
                 for lane in bits(found.mask) {
@@ -249,8 +241,7 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn nearest_with<L: Lanes>(&self, p: Vec3, upper_bound: f32) -> Option<NearestPoint> {
         let mut best = None;
-        traverse_nearest::<L>(&self.bvh, p, upper_bound * upper_bound, |block, mut bound| {
-            let block = &self.blocks[block as usize];
+        traverse_nearest::<L, _>(&self.bvh, p, upper_bound * upper_bound, |block, mut bound| {
             let squared = block.squared_distances::<L>(p);
             for (lane, &d) in squared.iter().enumerate() {
                 if d < bound {

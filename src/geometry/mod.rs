@@ -11,10 +11,13 @@
 //! [`Topology`] says whether a mesh is closed and which triangles face the wrong way; [`DistanceBound`] says how far a
 //! walk inside can go without asking.
 
+mod collapse;
 mod containment;
 mod distance;
 mod huge_pages;
 mod lanes;
+mod layout;
+mod lines;
 mod mesh;
 mod nearest;
 mod offset;

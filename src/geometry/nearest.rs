@@ -2,7 +2,8 @@
 //! what has been found.
 
 use super::lanes::Lanes;
-use super::wide_bvh::{LEAF, WideBvh};
+use super::lines::{self, Lined};
+use super::wide_bvh::{LEAF, Node, WideBvh};
 use glam::Vec3;
 
 /// Postponed children that fit on the stack of the thread; deeper hierarchies use the heap.
@@ -12,13 +13,13 @@ const STACK: usize = 128;
 ///
 /// `visit(block, bound)` returns the new bound of the squared distance.
 #[inline(always)]
-pub(super) fn traverse_nearest<L: Lanes>(
-    bvh: &WideBvh,
+pub(super) fn traverse_nearest<L: Lanes, B: Lined>(
+    bvh: &WideBvh<B>,
     p: Vec3,
     mut bound: f32,
-    mut visit: impl FnMut(u32, f32) -> f32,
+    mut visit: impl FnMut(&B, f32) -> f32,
 ) {
-    if bvh.nodes.is_empty() {
+    if bvh.lines.is_empty() {
         return;
     }
     let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
@@ -36,7 +37,7 @@ pub(super) fn traverse_nearest<L: Lanes>(
     let mut current = 0_u32;
     loop {
         if current & LEAF == 0 {
-            let node = &bvh.nodes[current as usize];
+            let node: &Node = lines::get(&bvh.lines, current);
             let zero = L::splat(0.0);
             let mut squared = zero;
             for (axis, &p) in point.iter().enumerate() {
@@ -69,7 +70,7 @@ pub(super) fn traverse_nearest<L: Lanes>(
                 }
             }
         } else {
-            bound = visit(current & !LEAF, bound);
+            bound = visit(lines::get(&bvh.lines, current & !LEAF), bound);
         }
         loop {
             if top == 0 {

@@ -8,11 +8,12 @@
 //! lemma), and local space gets back the digits that large coordinates waste.
 
 use super::lanes::Native;
+use super::lines::Lined;
 use super::mesh::MeshGeometry;
 use super::ray::{Aabb, MeshHit, Ray};
 use super::similarity::{Kind, Similarity};
 use super::traversal::traverse;
-use super::wide_bvh::WideBvh;
+use super::wide_bvh::{Block, WideBvh};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 
@@ -70,13 +71,22 @@ struct Instance {
     transform: Similarity,
 }
 
+/// A leaf of the hierarchy of instances.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Leaf {
+    instance: u32,
+    _unused: [u32; 15],
+}
+
+// SAFETY: numbers alone, one line of them.
+unsafe impl Lined for Leaf {}
+
 /// Instances of meshes, and the queries of a path tracer. Immutable.
 pub struct SceneGeometry {
     geometries: Vec<MeshGeometry>,
     instances: Vec<Instance>,
-    bvh: WideBvh,
-    /// Instance of each leaf of `bvh`.
-    leaves: Vec<u32>,
+    bvh: WideBvh<Leaf>,
 }
 
 impl SceneGeometry {
@@ -139,9 +149,9 @@ impl SceneGeometry {
             .filter(|&i| bounds[i as usize].max.is_finite())
             .collect();
         let boxes: Vec<Aabb> = kept.iter().map(|&i| bounds[i as usize]).collect();
-        let (bvh, blocks) = WideBvh::build(&boxes, 1, |_| true);
-        let leaves = blocks.iter().map(|block| kept[block[0] as usize]).collect();
-        Ok(Self { geometries, instances: placed, bvh, leaves })
+        let leaf = |block: &Block| Leaf { instance: kept[block[0] as usize], _unused: [0; 15] };
+        let bvh = WideBvh::build(&boxes, 1, |_| true, leaf);
+        Ok(Self { geometries, instances: placed, bvh })
     }
 
     /// Box around everything that can be hit, world metres; empty for an empty scene.
@@ -180,7 +190,7 @@ impl SceneGeometry {
     /// Closest hit.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let mut closest = None;
-        traverse::<Native, true, _>(&self.bvh, &self.leaves, ray, |&instance, t_max| {
+        traverse::<Native, true, _>(&self.bvh, ray, |&Leaf { instance, .. }, t_max| {
             match self.intersect_instance(instance, &Ray { t_max, ..*ray }) {
                 Some(hit) if hit.t < t_max => {
                     closest = Some(hit);
@@ -195,7 +205,7 @@ impl SceneGeometry {
     /// Whether anything is hit.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let mut found = false;
-        traverse::<Native, false, _>(&self.bvh, &self.leaves, ray, |&instance, t_max| {
+        traverse::<Native, false, _>(&self.bvh, ray, |&Leaf { instance, .. }, t_max| {
             found = self.mesh_of(instance).occluded(&self.transform(instance).inverse_ray(ray));
             if found { -1.0 } else { t_max }
         });

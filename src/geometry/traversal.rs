@@ -19,6 +19,7 @@
 //! | `far` | −o / d + slack / abs(d) |
 
 use super::lanes::Lanes;
+use super::lines::{self, Line, Lined};
 use super::ray::{Aabb, Ray};
 use super::wide_bvh::{LEAF, Node, WideBvh};
 use glam::Vec3;
@@ -52,7 +53,7 @@ impl<L: Lanes> SlabRay<L> {
         let width = slack * inverse.abs();
         let (near, far) = (middle - width, middle + width);
         let splat = |v: Vec3| [L::splat(v.x), L::splat(v.y), L::splat(v.z)];
-        let signs = inverse.is_negative_bitmask() & 7;
+        let signs = d.is_negative_bitmask() & 7;
         let near_plane = std::array::from_fn(|axis| axis + 3 * (signs >> axis & 1) as usize);
         Self { inverse: splat(inverse), near: splat(near), far: splat(far), near_plane }
     }
@@ -80,13 +81,12 @@ impl<L: Lanes> SlabRay<L> {
 ///
 /// `visit(block, t_max)` returns the new end of the ray; a negative one stops the walk.
 #[inline(always)]
-pub(super) fn traverse<L: Lanes, const ORDERED: bool, B>(
-    bvh: &WideBvh,
-    blocks: &[B],
+pub(super) fn traverse<L: Lanes, const ORDERED: bool, B: Lined>(
+    bvh: &WideBvh<B>,
     ray: &Ray,
     visit: impl FnMut(&B, f32) -> f32,
 ) {
-    if bvh.nodes.is_empty() {
+    if bvh.lines.is_empty() {
         return;
     }
     // A level postpones at most seven children.
@@ -100,14 +100,13 @@ pub(super) fn traverse<L: Lanes, const ORDERED: bool, B>(
         heap.resize(need, MaybeUninit::uninit());
         &mut heap[..]
     };
-    walk::<L, ORDERED, B>(bvh, blocks, ray, visit, stack);
+    walk::<L, ORDERED, B>(bvh, ray, visit, stack);
 }
 
 /// The stack holds `entry distance << 32 | child`, which sorts by distance.
 #[inline(always)]
-fn walk<L: Lanes, const ORDERED: bool, B>(
-    bvh: &WideBvh,
-    blocks: &[B],
+fn walk<L: Lanes, const ORDERED: bool, B: Lined>(
+    bvh: &WideBvh<B>,
     ray: &Ray,
     mut visit: impl FnMut(&B, f32) -> f32,
     stack: &mut [MaybeUninit<u64>],
@@ -115,13 +114,14 @@ fn walk<L: Lanes, const ORDERED: bool, B>(
     assert!(stack.len() >= 7 * bvh.depth);
     let slab = SlabRay::<L>::new(ray, &bvh.bounds);
     let stack = stack.as_mut_ptr().cast::<u64>();
+    let lines = bvh.lines.as_ptr();
     let mut t_max = ray.t_max;
     let mut top = 0;
     let mut current = 0_u32;
     loop {
         if current & LEAF == 0 {
             // SAFETY: the build only makes references to nodes that are there.
-            let node = unsafe { bvh.nodes.get_unchecked(current as usize) };
+            let node = unsafe { &*lines.add(current as usize).cast::<Node>() };
             let (enter, leave) = slab.span(node, t_max);
             let mut hits = L::bits(enter.le(leave));
             if hits != 0 {
@@ -133,9 +133,8 @@ fn walk<L: Lanes, const ORDERED: bool, B>(
                 }
                 let enter = enter.store();
                 let key = |lane: usize| {
-                    let child = node.children[lane];
-                    prefetch(bvh, blocks, child);
-                    (u64::from(enter[lane].to_bits()) << 32) | u64::from(child)
+                    prefetch(lines, node.children[lane]);
+                    (u64::from(enter[lane].to_bits()) << 32) | u64::from(node.children[lane])
                 };
                 let mut nearest = key(first);
                 let second = key(hits.trailing_zeros() as usize & 7);
@@ -171,7 +170,7 @@ fn walk<L: Lanes, const ORDERED: bool, B>(
                 continue;
             }
         } else {
-            t_max = visit(&blocks[(current & !LEAF) as usize], t_max);
+            t_max = visit(lines::get(&bvh.lines, current & !LEAF), t_max);
             if t_max < 0.0 {
                 return;
             }
@@ -191,20 +190,16 @@ fn walk<L: Lanes, const ORDERED: bool, B>(
     }
 }
 
-/// Asks for the memory of a child that will be visited soon.
+/// Asks for the memory of a child that will be visited soon: of a node all of it, of a leaf some more.
 #[inline(always)]
-fn prefetch<B>(bvh: &WideBvh, blocks: &[B], child: u32) {
-    let (start, bytes) = if child & LEAF == 0 {
-        (bvh.nodes.as_ptr().wrapping_add(child as usize).cast::<i8>(), size_of::<Node>())
-    } else {
-        (blocks.as_ptr().wrapping_add((child & !LEAF) as usize).cast(), size_of::<B>())
-    };
+fn prefetch(lines: *const Line, child: u32) {
+    let start = lines.wrapping_add((child & !LEAF) as usize);
     #[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
-    for line in (0..bytes).step_by(64) {
+    for line in 0..Node::LINES {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: a prefetch has no effect on what a program computes, wherever it points.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) };
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line).cast()) };
     }
     #[cfg(not(all(target_arch = "x86_64", target_feature = "sse")))]
-    let _ = (start, bytes);
+    let _ = start;
 }

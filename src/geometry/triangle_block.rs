@@ -23,6 +23,7 @@
 //! | `edge` | U, V, W |
 
 use super::lanes::{Lanes, WIDTH};
+use super::lines::Lined;
 use super::ray::Ray;
 use super::wide_bvh::{Block, NONE};
 use glam::Vec3;
@@ -42,9 +43,14 @@ pub(super) struct TriangleBlock {
     positions: [[f32; CORNERS]; 3],
     /// Positions of the first, second and third vertex of each lane, four bits each.
     corners: [u32; 3],
+    /// So that there is no padding.
+    _unused: u32,
     /// Triangle of the mesh.
     pub ids: Block,
 }
+
+// SAFETY: numbers alone, three lines of them.
+unsafe impl Lined for TriangleBlock {}
 
 /// Adds the corners of a triangle that are not there yet; their places.
 fn add_corners(found: &mut Vec<Vec3>, triangle: &[Vec3; 3]) -> [usize; 3] {
@@ -77,10 +83,15 @@ impl<L: Lanes> ShearRay<L> {
         } else {
             [0, 1, 2]
         };
-        let permute = |v: Vec3| axes.map(|axis| L::splat(v[axis]));
-        let sz = 1.0 / d[axes[2]];
-        let shear = [L::splat(d[axes[0]] * sz), L::splat(d[axes[1]] * sz), L::splat(sz)];
-        Self { axes, origin: permute(ray.origin), direction: permute(d), shear }
+        // Of arrays: choosing a component of a vector is a chain of branches.
+        let permute = |v: Vec3| {
+            let v = v.to_array();
+            axes.map(|axis| v[axis])
+        };
+        let (origin, d) = (permute(ray.origin), permute(d));
+        let sz = 1.0 / d[2];
+        let shear = [d[0] * sz, d[1] * sz, sz].map(L::splat);
+        Self { axes, origin: origin.map(L::splat), direction: d.map(L::splat), shear }
     }
 }
 
@@ -104,7 +115,7 @@ impl TriangleBlock {
 
     /// Gathers triangles that a block [holds](Self::holds).
     pub fn new(ids: Block, triangle: impl Fn(u32) -> [Vec3; 3]) -> Self {
-        let mut this = Self { positions: [[0.0; CORNERS]; 3], corners: [0; 3], ids };
+        let mut this = Self { positions: [[0.0; CORNERS]; 3], corners: [0; 3], _unused: 0, ids };
         let mut found = Vec::with_capacity(CORNERS);
         for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
             for (nibbles, place) in this.corners.iter_mut().zip(add_corners(&mut found, &triangle(id))) {
