@@ -40,6 +40,7 @@ struct SlabRay<L: Lanes> {
     far: [L; 3],
     /// Rows of [`Node::planes`].
     near_plane: [usize; 3],
+    far_plane: [usize; 3],
 }
 
 impl<L: Lanes> SlabRay<L> {
@@ -54,25 +55,27 @@ impl<L: Lanes> SlabRay<L> {
         let (near, far) = (middle - width, middle + width);
         let splat = |v: Vec3| [L::splat(v.x), L::splat(v.y), L::splat(v.z)];
         let signs = d.is_negative_bitmask() & 7;
-        let near_plane = std::array::from_fn(|axis| axis + 3 * (signs >> axis & 1) as usize);
-        Self { inverse: splat(inverse), near: splat(near), far: splat(far), near_plane }
+        let near_plane = std::array::from_fn(|axis| 32 * (axis + 3 * (signs >> axis & 1) as usize));
+        let far_plane = [96 - near_plane[0], 160 - near_plane[1], 224 - near_plane[2]];
+        Self { inverse: splat(inverse), near: splat(near), far: splat(far), near_plane, far_plane }
     }
 
     /// Where the ray enters the children and where it leaves them, slot by slot.
     #[inline(always)]
     fn span(&self, node: &Node, t_max: f32) -> (L, L) {
         let plane = |row: usize, axis: usize, offset: &[L; 3]| {
-            debug_assert!(row < 6, "row = {row}");
+            debug_assert!(row < 6 * 32, "row = {row}");
             // SAFETY: rows are those of `near_plane`, or their opposites.
-            let planes = unsafe { node.planes.get_unchecked(row) };
+            let planes = unsafe { &*node.planes.as_ptr().byte_add(row) };
             L::load(planes).mul_add(self.inverse[axis], offset[axis])
         };
         let [x, y, z] = self.near_plane;
+        let [fx, fy, fz] = self.far_plane;
         let enter = plane(x, 0, &self.near).max(plane(y, 1, &self.near));
         let enter = enter.max(plane(z, 2, &self.near).max(L::splat(0.0)));
         // Rows k and k + 3 are opposite: 3 − x is the other one of 0 and 3, 5 − y of 1 and 4, 7 − z of 2 and 5.
-        let leave = plane(3 - x, 0, &self.far).min(plane(5 - y, 1, &self.far));
-        let leave = leave.min(plane(7 - z, 2, &self.far).min(L::splat(t_max)));
+        let leave = plane(fx, 0, &self.far).min(plane(fy, 1, &self.far));
+        let leave = leave.min(plane(fz, 2, &self.far).min(L::splat(t_max)));
         (enter, leave)
     }
 }
