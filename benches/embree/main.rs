@@ -47,6 +47,7 @@ fn main() {
     };
     let mut builds = Vec::new();
     let mut rates = Vec::new();
+    let mut costs = Vec::new();
     for n in sizes {
         let (positions, triangles) = bumpy_sphere(n);
         let (mesh, seconds) = timed(|| MeshGeometry::build(&positions, &triangles));
@@ -61,9 +62,11 @@ fn main() {
         });
         drop((positions, triangles));
         for (kind, rays) in kinds_of_rays(&mesh).into_iter().filter(|(kind, _)| kind.contains(only)) {
-            let row = compare(&mesh, scene.as_ref(), &rays);
+            let measured = compare(&mesh, scene.as_ref(), &rays);
+            let row = measured.row();
             println!("{count} {kind}: {row}");
             rates.push(format!("| {count} | {kind} | {row} |"));
+            costs.push((kind, count, measured.nanoseconds));
         }
     }
     println!(
@@ -72,6 +75,24 @@ fn main() {
     println!("{}", builds.join("\n"));
     println!("\n| triangles | rays | nephrite, M/s | {name}, M/s | ratio | hit | edge cases |");
     println!("| --- | --- | --- | --- | --- | --- | --- |\n{}", rates.join("\n"));
+    print_growth(&costs, &name);
+}
+
+/// How many times as long a ray takes as in the first mesh, beside the growth of the logarithm of the triangles.
+fn print_growth(costs: &[(&str, usize, [f64; 2])], name: &str) {
+    println!(
+        "\n| rays | triangles | log(triangles) grows by | nephrite | {name} |\n| --- | --- | --- | --- | --- |"
+    );
+    for (kind, count, cost) in costs {
+        let Some((_, least, first)) =
+            costs.iter().find(|(k, ..)| k == kind).filter(|(_, least, _)| least < count)
+        else {
+            continue;
+        };
+        let logarithm = (*count as f64).ln() / (*least as f64).ln();
+        let [a, b] = [0, 1].map(|program| cost[program] / first[program]);
+        println!("| {kind} | {least} to {count} | {logarithm:.2} | {a:.2} | {b:.2} |");
+    }
 }
 
 fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
@@ -84,19 +105,53 @@ fn per(bytes: usize, count: usize) -> f64 {
     bytes as f64 / count as f64
 }
 
-fn kinds_of_rays(mesh: &MeshGeometry) -> [(&'static str, Vec<Ray>); 3] {
+fn kinds_of_rays(mesh: &MeshGeometry) -> [(&'static str, Vec<Ray>); 4] {
     let bounds = mesh.bounds();
     let size = bounds.extent().max_element();
     let flight = |state: &mut u64| -(1.0 - unit(state)).ln() * FREE_PATH * size;
+    let in_medium = random_rays(&bounds, RAYS, flight, |p: Vec3| mesh.contains(p));
     [
         ("primary", camera_rays(&bounds, 300)),
         ("incoherent", random_rays(&bounds, RAYS, |_| f32::INFINITY, |_| true)),
-        ("in medium", random_rays(&bounds, RAYS, flight, |p: Vec3| mesh.contains(p))),
+        ("walk", walks(mesh, &in_medium)),
+        ("in medium", in_medium),
     ]
 }
 
-/// Cells of a row of the table.
-fn compare(mesh: &MeshGeometry, scene: Option<&Scene>, rays: &[Ray]) -> String {
+/// The same flights as those of walks: each starts where the last one ended, or anew where that one met the boundary.
+fn walks(mesh: &MeshGeometry, flights: &[Ray]) -> Vec<Ray> {
+    let mut inside = None;
+    let walk = |flight: &Ray| {
+        let ray = Ray { origin: inside.unwrap_or(flight.origin), ..*flight };
+        inside = mesh.intersect(&ray).is_none().then(|| ray.at(ray.t_max));
+        ray
+    };
+    flights.iter().map(walk).collect()
+}
+
+/// What rays of one kind took.
+struct Measured {
+    rays: usize,
+    hits: usize,
+    unequal: usize,
+    /// Of nephrite and of Embree, a ray; zero where there is no Embree.
+    nanoseconds: [f64; 2],
+}
+
+impl Measured {
+    /// Cells of a row of the table.
+    fn row(&self) -> String {
+        let [a, b] = self.nanoseconds;
+        let hit = format!("{:.1} %", 100.0 * self.hits as f64 / self.rays as f64);
+        if b == 0.0 {
+            return format!("{:.2} | | | {hit} |", 1.0e3 / a);
+        }
+        format!("{:.2} | {:.2} | {:.2} | {hit} | {}", 1.0e3 / a, 1.0e3 / b, b / a, self.unequal)
+    }
+}
+
+/// Both programs keep the distance of each ray and nothing else: how large the records of their hits are is no matter.
+fn compare(mesh: &MeshGeometry, scene: Option<&Scene>, rays: &[Ray]) -> Measured {
     let mut ours = Vec::with_capacity(rays.len());
     let mut theirs = Vec::with_capacity(rays.len());
     // Program, piece, round.
@@ -109,9 +164,9 @@ fn compare(mesh: &MeshGeometry, scene: Option<&Scene>, rays: &[Ray]) -> String {
                 let program = (round + turn) % 2;
                 let start = Instant::now();
                 match (program, scene) {
-                    (0, _) => ours.extend(piece.iter().map(|ray| mesh.intersect(black_box(ray)))),
+                    (0, _) => ours.extend(piece.iter().map(|ray| distance(mesh.intersect(black_box(ray))))),
                     (_, Some(scene)) => flush_to_zero(|| {
-                        theirs.extend(piece.iter().map(|ray| scene.intersect(black_box(ray))));
+                        theirs.extend(piece.iter().map(|ray| distance_of(&scene.intersect(black_box(ray)))));
                     }),
                     _ => {}
                 }
@@ -119,24 +174,28 @@ fn compare(mesh: &MeshGeometry, scene: Option<&Scene>, rays: &[Ray]) -> String {
             }
         }
     }
-    let [a, b] = seconds.map(|pieces| pieces.into_iter().map(median).sum::<f64>());
-    let million = rays.len() as f64 / 1.0e6;
-    let hits = ours.iter().flatten().count();
-    let hit = format!("{:.1} %", 100.0 * hits as f64 / rays.len() as f64);
+    let nanoseconds =
+        seconds.map(|pieces| 1.0e9 * pieces.into_iter().map(median).sum::<f64>() / rays.len() as f64);
+    let hits = ours.iter().filter(|t| t.is_finite()).count();
     if scene.is_none() {
-        return format!("{:.2} | | | {hit} |", million / a);
+        return Measured { rays: rays.len(), hits, unequal: 0, nanoseconds: [nanoseconds[0], 0.0] };
     }
-    let unequal = ours.iter().zip(&theirs).filter(|(a, b)| !agree(a.as_ref(), b)).count();
+    let unequal = ours.iter().zip(&theirs).filter(|(a, b)| !agree(**a, **b)).count();
     assert!((unequal as f64) < EDGE_CASES * rays.len() as f64, "{unequal} of {} rays disagree", rays.len());
-    format!("{:.2} | {:.2} | {:.2} | {hit} | {unequal}", million / a, million / b, b / a)
+    Measured { rays: rays.len(), hits, unequal, nanoseconds }
+}
+
+fn distance(hit: Option<MeshHit>) -> f32 {
+    hit.map_or(f32::INFINITY, |hit| hit.t)
+}
+
+fn distance_of(hit: &RayHit) -> f32 {
+    if hit.is_hit() { hit.t_far } else { f32::INFINITY }
 }
 
 /// Both miss, or both hit at the same distance, up to roundings.
-fn agree(ours: Option<&MeshHit>, theirs: &RayHit) -> bool {
-    match ours {
-        Some(hit) => theirs.is_hit() && (hit.t - theirs.t_far).abs() <= 1.0e-4 * hit.t.max(1.0e-2),
-        None => !theirs.is_hit(),
-    }
+fn agree(ours: f32, theirs: f32) -> bool {
+    if ours.is_finite() { (ours - theirs).abs() <= 1.0e-4 * ours.max(1.0e-2) } else { theirs.is_infinite() }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
