@@ -50,6 +50,7 @@ pub(super) fn traverse_nearest<L: Lanes, B: Lined>(
             if hits != 0 {
                 let squared = squared.store();
                 let key = |lane: usize| {
+                    lines::prefetch(bvh.lines.as_ptr(), node.children[lane & 7] & !LEAF);
                     (u64::from(squared[lane & 7].to_bits()) << 32) | u64::from(node.children[lane & 7])
                 };
                 let base = top;

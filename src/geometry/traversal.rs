@@ -19,7 +19,7 @@
 //! | `far` | −o / d + slack / abs(d) |
 
 use super::lanes::Lanes;
-use super::lines::{self, Line, Lined};
+use super::lines::{self, Lined};
 use super::ray::{Aabb, Ray};
 use super::wide_bvh::{LEAF, Node, WideBvh};
 use glam::Vec3;
@@ -136,7 +136,7 @@ fn walk<L: Lanes, const ORDERED: bool, B: Lined>(
                 }
                 let enter = enter.store();
                 let key = |lane: usize| {
-                    prefetch(lines, node.children[lane]);
+                    lines::prefetch(lines, node.children[lane] & !LEAF);
                     (u64::from(enter[lane].to_bits()) << 32) | u64::from(node.children[lane])
                 };
                 let mut nearest = key(first);
@@ -191,18 +191,4 @@ fn walk<L: Lanes, const ORDERED: bool, B: Lined>(
             }
         }
     }
-}
-
-/// Asks for the memory of a child that will be visited soon: of a node all of it, of a leaf some more.
-#[inline(always)]
-fn prefetch(lines: *const Line, child: u32) {
-    let start = lines.wrapping_add((child & !LEAF) as usize);
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
-    for line in 0..Node::LINES {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch has no effect on what a program computes, wherever it points.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line).cast()) };
-    }
-    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse")))]
-    let _ = start;
 }

@@ -62,6 +62,12 @@ fn add_corners(found: &mut Vec<Vec3>, triangle: &[Vec3; 3]) -> [usize; 3] {
     })
 }
 
+/// `map` of an array, which compilers do not always make a part of the loop that calls it.
+#[inline(always)]
+fn each<T, U>([a, b, c]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
+    [f(a), f(b), f(c)]
+}
+
 /// A ray as the edge test wants it.
 #[derive(Clone, Copy)]
 pub(super) struct ShearRay<L> {
@@ -84,14 +90,15 @@ impl<L: Lanes> ShearRay<L> {
             [0, 1, 2]
         };
         // Of arrays: choosing a component of a vector is a chain of branches.
-        let permute = |v: Vec3| {
-            let v = v.to_array();
-            axes.map(|axis| v[axis])
-        };
-        let (origin, d) = (permute(ray.origin), permute(d));
-        let sz = 1.0 / d[2];
-        let shear = [d[0] * sz, d[1] * sz, sz].map(L::splat);
-        Self { axes, origin: origin.map(L::splat), direction: d.map(L::splat), shear }
+        let (o, d) = (ray.origin.to_array(), d.to_array());
+        let [x, y, z] = axes;
+        let inverse = 1.0 / d[z];
+        Self {
+            axes,
+            origin: [L::splat(o[x]), L::splat(o[y]), L::splat(o[z])],
+            direction: [L::splat(d[x]), L::splat(d[y]), L::splat(d[z])],
+            shear: [L::splat(d[x] * inverse), L::splat(d[y] * inverse), L::splat(inverse)],
+        }
     }
 }
 
@@ -145,21 +152,21 @@ impl TriangleBlock {
     /// The three vertices of each lane, axis by axis, from rows of corners.
     #[inline(always)]
     fn vertices<L: Lanes>(&self, rows: [[L; 2]; 3]) -> [[L; 3]; 3] {
-        self.corners.map(|nibbles| {
+        each(self.corners, |nibbles| {
             let at = L::indices(nibbles);
-            rows.map(|[low, high]| L::pick(low, high, at))
+            each(rows, |[low, high]| L::pick(low, high, at))
         })
     }
 
     /// Hits with `0 < t < t_max`.
     #[inline(always)]
     pub fn intersect<L: Lanes>(&self, ray: &ShearRay<L>, t_max: f32) -> Option<BlockHits> {
-        let [x, y, z] = [0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k]));
-        let x = [0, 1].map(|half: usize| ray.shear[0].neg_mul_add(z[half], x[half]));
-        let y = [0, 1].map(|half: usize| ray.shear[1].neg_mul_add(z[half], y[half]));
-        let at = self.corners.map(L::indices);
-        let [ax, bx, cx] = at.map(|at| L::pick(x[0], x[1], at));
-        let [ay, by, cy] = at.map(|at| L::pick(y[0], y[1], at));
+        let [x, y, z] = each([0, 1, 2], |k: usize| self.row(ray.axes[k], ray.origin[k]));
+        let sheared = |shear: L, x: [L; 2]| [shear.neg_mul_add(z[0], x[0]), shear.neg_mul_add(z[1], x[1])];
+        let (x, y) = (sheared(ray.shear[0], x), sheared(ray.shear[1], y));
+        let at = each(self.corners, L::indices);
+        let [ax, bx, cx] = each(at, |at| L::pick(x[0], x[1], at));
+        let [ay, by, cy] = each(at, |at| L::pick(y[0], y[1], at));
         let edge = |px: L, py: L, qx: L, qy: L| px.mul(qy).sub(py.mul(qx));
         let u = edge(cx, cy, bx, by);
         let v = edge(ax, ay, cx, cy);
@@ -171,7 +178,7 @@ impl TriangleBlock {
         if inside == 0 {
             return None;
         }
-        let [az, bz, cz] = at.map(|at| L::pick(z[0], z[1], at));
+        let [az, bz, cz] = each(at, |at| L::pick(z[0], z[1], at));
         let det = u.add(v).add(w);
         let inverse = L::splat(1.0).div(det);
         let (u, v, w) = (u.mul(inverse), v.mul(inverse), w.mul(inverse));
@@ -196,7 +203,7 @@ impl TriangleBlock {
     /// Distances to the planes of the triangles.
     #[inline(always)]
     fn plane_distances<L: Lanes>(&self, ray: &ShearRay<L>) -> L {
-        let corners = self.vertices([0, 1, 2].map(|k| self.row(ray.axes[k], ray.origin[k])));
+        let corners = self.vertices(each([0, 1, 2], |k: usize| self.row(ray.axes[k], ray.origin[k])));
         let normal = normals(&corners);
         dot(&normal, &corners[0]).div(dot(&normal, &ray.direction))
     }
@@ -207,21 +214,22 @@ impl TriangleBlock {
         let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
         let zero = L::splat(0.0);
         let one = L::splat(1.0);
-        let corners = self.vertices([0, 1, 2].map(|axis| self.row(axis, zero)));
+        let corners = self.vertices(each([0, 1, 2], |axis| self.row(axis, zero)));
         let normal = normals(&corners);
-        let normal = normal.map(|x| x.div(dot(&normal, &normal).sqrt()));
+        let length = dot(&normal, &normal).sqrt();
+        let normal = each(normal, |x| x.div(length));
         let mut nearest = L::splat(f32::INFINITY);
         // Least of the signed sides; positive where the foot of the perpendicular is inside.
         let mut side = L::splat(f32::INFINITY);
         let mut height = zero;
         for i in 0..3 {
             let (a, b) = (&corners[i], &corners[(i + 1) % 3]);
-            let along: [L; 3] = std::array::from_fn(|k| b[k].sub(a[k]));
-            let from: [L; 3] = std::array::from_fn(|k| point[k].sub(a[k]));
+            let along = each([0, 1, 2], |k: usize| b[k].sub(a[k]));
+            let from = each([0, 1, 2], |k: usize| point[k].sub(a[k]));
             let length = dot(&along, &along);
             // A zero-length edge gives NaN, which `max` replaces by zero.
             let s = dot(&along, &from).div(length).max(zero).min(one);
-            let rest: [L; 3] = std::array::from_fn(|k| s.neg_mul_add(along[k], from[k]));
+            let rest = each([0, 1, 2], |k: usize| s.neg_mul_add(along[k], from[k]));
             nearest = dot(&rest, &rest).min(nearest);
             let across = [
                 normal[1].mul(along[2]).sub(normal[2].mul(along[1])),
@@ -254,12 +262,12 @@ fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
 /// included: above a triangle, its distance is off by a rounding of its size.
 #[inline(always)]
 fn normals<L: Lanes>([a, b, c]: &[[L; 3]; 3]) -> [L; 3] {
-    let edge = |to: &[L; 3]| -> [L; 3] { std::array::from_fn(|k| to[k].sub(a[k])) };
+    let edge = |to: &[L; 3]| each([0, 1, 2], |k: usize| to[k].sub(a[k]));
     let (ab, ac) = (edge(b), edge(c));
     let longest = |e: &[L; 3]| e[0].abs().max(e[1].abs()).max(e[2].abs());
     // The square of an area can overflow or underflow.
     let scale = L::splat(1.0).div(longest(&ab).max(longest(&ac)));
-    let [ab, ac] = [ab, ac].map(|e| e.map(|x| x.mul(scale)));
+    let (ab, ac) = (each(ab, |x| x.mul(scale)), each(ac, |x| x.mul(scale)));
     let minor = |i: usize, j: usize| {
         let product = ab[j].mul(ac[i]);
         let error = ab[j].neg_mul_add(ac[i], product);
