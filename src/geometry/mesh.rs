@@ -114,13 +114,14 @@ impl MeshGeometry {
     }
 
     /// Closest hit.
-    #[inline]
+    // A call costs less than the registers that the walk takes from a caller's loop.
+    #[inline(never)]
     pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
         self.intersect_with::<Native>(ray)
     }
 
     /// Whether anything is hit.
-    #[inline]
+    #[inline(never)]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.occluded_with::<Native>(ray)
     }
