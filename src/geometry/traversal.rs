@@ -9,8 +9,7 @@
 //! Of the children that are hit, the nearest is next and the others are postponed, nearest on top. Most nodes have one or
 //! two: these cases have their own branches, which predict well and keep the chain from node to node short. (Measured:
 //! ordering by the ray's octant with one permutation and no branch at all is a quarter slower for long rays.) Memory of
-//! the children that are postponed is asked for at once, while the nearest is looked at: in large meshes a ray does
-//! little but wait for memory.
+//! all of them is asked for at once: in large meshes a ray does little but wait for memory.
 //!
 //! | code | formula |
 //! | --- | --- |
@@ -18,7 +17,7 @@
 //! | `near` | −o / d − slack / abs(d) |
 //! | `far` | −o / d + slack / abs(d) |
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, WIDTH};
 use super::lines::{self, Lined};
 use super::ray::{Aabb, Ray};
 use super::wide_bvh::{LEAF, Node, WideBvh};
@@ -29,6 +28,8 @@ use std::mem::MaybeUninit;
 const LEAST_COMPONENT: f32 = 1.0 / (1_u64 << 60) as f32;
 /// Slack of the slabs, relative to coordinates.
 const SLACK: f32 = 1.0 / (1_u64 << 20) as f32;
+/// Bytes of a row of planes.
+const ROW: usize = size_of::<[f32; WIDTH]>();
 /// Postponed children that fit on the stack of the thread; deeper hierarchies use the heap.
 const STACK: usize = 192;
 
@@ -38,7 +39,7 @@ struct SlabRay<L: Lanes> {
     inverse: [L; 3],
     near: [L; 3],
     far: [L; 3],
-    /// Rows of [`Node::planes`].
+    /// Rows of [`Node::planes`], in bytes from the first.
     near_plane: [usize; 3],
     far_plane: [usize; 3],
 }
@@ -55,8 +56,9 @@ impl<L: Lanes> SlabRay<L> {
         let (near, far) = (middle - width, middle + width);
         let splat = |v: Vec3| [L::splat(v.x), L::splat(v.y), L::splat(v.z)];
         let signs = d.is_negative_bitmask() & 7;
-        let near_plane = std::array::from_fn(|axis| 32 * (axis + 3 * (signs >> axis & 1) as usize));
-        let far_plane = [96 - near_plane[0], 160 - near_plane[1], 224 - near_plane[2]];
+        let near_plane = std::array::from_fn(|axis| ROW * (axis + 3 * (signs >> axis & 1) as usize));
+        // Rows k and k + 3 are opposite: 3 − x is the other one of 0 and 3, 5 − y of 1 and 4, 7 − z of 2 and 5.
+        let far_plane = [3 * ROW - near_plane[0], 5 * ROW - near_plane[1], 7 * ROW - near_plane[2]];
         Self { inverse: splat(inverse), near: splat(near), far: splat(far), near_plane, far_plane }
     }
 
@@ -64,7 +66,7 @@ impl<L: Lanes> SlabRay<L> {
     #[inline(always)]
     fn span(&self, node: &Node, t_max: f32) -> (L, L) {
         let plane = |row: usize, axis: usize, offset: &[L; 3]| {
-            debug_assert!(row < 6 * 32, "row = {row}");
+            debug_assert!(row < 6 * ROW, "row = {row}");
             // SAFETY: rows are those of `near_plane`, or their opposites.
             let planes = unsafe { &*node.planes.as_ptr().byte_add(row) };
             L::load(planes).mul_add(self.inverse[axis], offset[axis])
@@ -73,7 +75,6 @@ impl<L: Lanes> SlabRay<L> {
         let [fx, fy, fz] = self.far_plane;
         let enter = plane(x, 0, &self.near).max(plane(y, 1, &self.near));
         let enter = enter.max(plane(z, 2, &self.near).max(L::splat(0.0)));
-        // Rows k and k + 3 are opposite: 3 − x is the other one of 0 and 3, 5 − y of 1 and 4, 7 − z of 2 and 5.
         let leave = plane(fx, 0, &self.far).min(plane(fy, 1, &self.far));
         let leave = leave.min(plane(fz, 2, &self.far).min(L::splat(t_max)));
         (enter, leave)
