@@ -213,7 +213,10 @@ impl DistanceBound {
         // Rounded towards zero, so that it is not longer than 1.
         let stored = (normal * 127.0).to_array().map(|n| n as i8);
         let normal = Vec3::from_array(stored.map(|n| f32::from(n) * (1.0 / 127.0)));
-        let least = mesh.least_along(normal, center, radius + self.rounding) - 2.0 * self.rounding;
+        // The nearest triangle reaches into the ball, or none does.
+        let start = mesh.triangle(nearest.triangle).map(|corner| normal.dot(corner - center));
+        let start = start.into_iter().fold(f32::INFINITY, f32::min);
+        let least = mesh.least_along(normal, (center, radius + self.rounding), start) - 2.0 * self.rounding;
         let units = (least / self.plane_unit).floor() - 1.0;
         let farthest = f32::from(i16::MAX);
         (stored, if units < -farthest { NOWHERE } else { units.min(farthest) as i16 })
