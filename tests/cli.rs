@@ -183,6 +183,41 @@ fn interrupted_renders_write_what_they_have() {
     assert!(stats["spp"].as_u64() < stats["spp_requested"].as_u64(), "{stats}");
 }
 
+/// The picture that is there on the way is complete and has fewer samples; the finished one is the same as without.
+#[test]
+fn progressive_renders_write_pictures_on_the_way() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", triangle(""));
+    let render = |output: &'static str, spp: &'static str, more: &[&'static str]| {
+        [&["render", "a.gltf", "-o", output, "--size", "16x16", "--spp", spp][..], more].concat()
+    };
+    for (output, more) in
+        [("a.exr", &["--progressive"][..]), ("b.exr", &[]), ("c.exr", &["--progressive=never"])]
+    {
+        sandbox.run(&render(output, "40", more)).exits(0);
+    }
+    let bytes = |name: &str| std::fs::read(sandbox.path(name)).unwrap();
+    assert!(bytes("a.exr") == bytes("b.exr") && bytes("b.exr") == bytes("c.exr"));
+    sandbox.run(&render("a.exr", "1", &["--progressive=often"])).exits(2).says(&["always", "never"]);
+
+    // Without a terminal nothing is written before the end unless it is asked for.
+    let args = render("late.exr", "10000000", &[]);
+    let mut late = sandbox.command(&args).stderr(std::process::Stdio::null()).spawn().unwrap();
+    let args = render("early.exr", "10000000", &["--progressive"]);
+    let mut early = sandbox.command(&args).stderr(std::process::Stdio::null()).spawn().unwrap();
+    let began = std::time::Instant::now();
+    while !sandbox.path("early.exr").exists() && began.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let channel = exr_channel(&sandbox.path("early.exr"), "R");
+    for child in [&mut early, &mut late] {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert_eq!(channel.len(), 256);
+    assert!(!sandbox.files().contains(&"late.exr".to_owned()));
+}
+
 #[test]
 fn inspect_speaks_to_people_and_programs() {
     let sandbox = Sandbox::new();

@@ -181,6 +181,12 @@ pub(super) struct RenderArgs {
     #[arg(long)]
     pub float: bool,
 
+    /// Write the pictures after the first sample of every pixel, and again as they get better: always, never, or auto: on a
+    /// terminal, where no file is there yet
+    #[arg(long, value_name = "auto|always|never", value_parser = progressive, num_args = 0..=1, require_equals = true,
+        default_value = "auto", default_missing_value = "always")]
+    pub progressive: Progressive,
+
     /// Write times, counts and the mean colour as JSON
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,

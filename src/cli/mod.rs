@@ -30,6 +30,7 @@ mod pipeline;
 mod presets;
 mod profile;
 mod progress;
+mod progressive;
 mod render;
 mod setup;
 mod stats;

@@ -11,18 +11,21 @@ use std::time::Duration;
 /// The waiting person's view, and the way to stop.
 pub(super) struct Progress {
     bar: ProgressBar,
+    is_watched: bool,
     done: AtomicU64,
 }
 
 impl Progress {
     /// Visible only on a terminal, and not when quiet.
     pub fn new(quiet: bool) -> Self {
-        let bar = if quiet || !std::io::stderr().is_terminal() {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::no_length()
-        };
-        Self { bar, done: AtomicU64::new(0) }
+        let is_watched = !quiet && std::io::stderr().is_terminal();
+        let bar = if is_watched { ProgressBar::no_length() } else { ProgressBar::hidden() };
+        Self { bar, is_watched, done: AtomicU64::new(0) }
+    }
+
+    /// Whether anybody sees it.
+    pub fn is_watched(&self) -> bool {
+        self.is_watched
     }
 
     /// Names a piece of work of unknown length.
@@ -38,6 +41,11 @@ impl Progress {
         self.bar.reset();
         self.bar.set_message("rendering");
         self.bar.set_style(style("{msg} {wide_bar} {percent:>3} %  {elapsed} elapsed, {eta} left"));
+    }
+
+    /// Says how good the picture is that can be looked at.
+    pub fn shown(&self, spp: u32) {
+        self.bar.set_message(format!("rendering (written: {spp} samples a pixel)"));
     }
 
     /// Names the part of the bar that follows `before` of `total` samples.

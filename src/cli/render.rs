@@ -7,6 +7,7 @@ use super::job::{RenderJob, cannot_write, file_name, write_text};
 use super::message::Reporter;
 use super::pipeline::{self, RenderOptions, Rendered};
 use super::progress::Progress;
+use super::progressive::{self, Output, Showing};
 use super::setup::{Prepared, Size, report_counters};
 use super::stats::{Work, peak_memory_bytes};
 use crate::film::{self, Format, WriteReport};
@@ -30,9 +31,15 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     options.transparent = job.args.transparent_background;
     say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
     let models = pipeline::models(args.brdf_cosines);
+    let recorded = prepared.record(args);
+    let is_watched = progress.is_watched();
+    let unfinished = progressive::unfinished(job.args.progressive, &job.outputs, is_watched, &reporter);
 
     progress.rendering();
-    let (rendered, work) = Work::of(|| prepared.render(args, &options, &models, &progress));
+    let showing = Showing::new(&progress, !unfinished.is_empty(), |rendered| {
+        write_pictures(&job, &unfinished, rendered, &recorded, &options).is_ok()
+    });
+    let (rendered, work) = Work::of(|| prepared.render(args, &options, &models, &showing));
     progress.clear();
     let rendered = rendered?;
     let interrupted = rendered.spp < options.spp;
@@ -44,7 +51,8 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let samples = rendered.film.pixels.len() as f64 * f64::from(rendered.spp);
     report_counters(&rendered.stats, samples, "", &reporter);
     let writing = Instant::now();
-    write_pictures(&job, &rendered, &prepared, &options, &reporter)?;
+    let report = write_pictures(&job, &job.outputs, &rendered, &recorded, &options)?;
+    say_what_was_lost(report, &reporter);
     let measured = Measured { work, write_seconds: writing.elapsed().as_secs_f64() };
     if let Some(path) = &job.args.stats {
         let stats = measured.json(&job, &prepared, &options, &rendered);
@@ -90,20 +98,25 @@ fn say_what_cannot_be_seen(
     }
 }
 
+/// Writes a picture to those outputs.
 fn write_pictures(
     job: &RenderJob,
+    outputs: &[Output],
     rendered: &Rendered,
-    prepared: &Prepared,
+    recorded: &Value,
     options: &RenderOptions,
-    reporter: &Reporter,
-) -> Result<(), Failure> {
+) -> Result<WriteReport, Failure> {
     let mut report = WriteReport::default();
-    for (path, format) in &job.outputs {
+    for (path, format) in outputs {
         let mut write_options = job.write_options();
-        write_options.attributes = attributes(job, *format, rendered.spp, prepared, options);
+        write_options.attributes = attributes(job, *format, rendered.spp, recorded, options);
         let written = film::write(path, &rendered.film, &write_options).map_err(|e| cannot_write(path, e))?;
         report = report.max(written);
     }
+    Ok(report)
+}
+
+fn say_what_was_lost(report: WriteReport, reporter: &Reporter) {
     if report.non_finite > 0 {
         reporter.warning(format!("{} pixels are not finite and were written as black", report.non_finite));
     }
@@ -113,7 +126,6 @@ fn write_pictures(
             report.clamped_to_half
         ));
     }
-    Ok(())
 }
 
 /// What is recorded in a picture: enough to render it again. Nothing that does not change it (threads, times), so
@@ -122,11 +134,11 @@ fn attributes(
     job: &RenderJob,
     format: Format,
     spp: u32,
-    prepared: &Prepared,
+    recorded: &Value,
     options: &RenderOptions,
 ) -> Vec<(String, String)> {
     let args = &job.args.scene;
-    let mut recorded = prepared.record(args);
+    let mut recorded = recorded.clone();
     recorded["subsurface"] = json!(options.subsurface);
     if options.transparent {
         recorded["transparent_background"] = json!(true);

@@ -167,6 +167,24 @@ pub(super) fn walk(text: &str) -> Result<String, String> {
     }
 }
 
+/// When unfinished pictures are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progressive {
+    /// Where somebody watches and nothing is lost.
+    Auto,
+    Always,
+    Never,
+}
+
+pub(super) fn progressive(text: &str) -> Result<Progressive, String> {
+    match text {
+        "auto" => Ok(Progressive::Auto),
+        "always" => Ok(Progressive::Always),
+        "never" => Ok(Progressive::Never),
+        _ => Err(names::unknown("way to show progress", text, ["auto", "always", "never"])),
+    }
+}
+
 pub(super) fn microfacet(text: &str) -> Result<Microfacet, String> {
     match text {
         "multiple" => Ok(Microfacet::Multiple),

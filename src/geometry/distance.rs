@@ -8,7 +8,8 @@
 //!   `|n| <= 1`. So the mesh is at least `min(δ - n · (p - c), ρ - |p - c|)` away: as good as the distance itself where the
 //!   surface is nearly flat, and cells need not be small.
 //!
-//! A walk whose next step is shorter than the bound stays inside and needs no ray query.
+//! A walk whose next step is shorter than the bound stays inside and needs no ray query, nor does one whose step begins and ends
+//! in the ball and before the plane.
 //!
 //! Cells are filled when they are first asked for: most of the volume is never visited. What a cell holds is a function
 //! of the cell alone, so it does not matter which thread fills it, or whether two do. Cells are stored in bricks of 4³,
@@ -20,8 +21,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Cells along the longest axis, by default.
 const RESOLUTION: u32 = 64;
-/// ρ, in cells.
-const BALL: f32 = 2.0;
+/// ρ, in cells: more than the half diagonal of a cell, and so little that curved surfaces are nearly flat there.
+const BALL: f32 = 1.25;
 /// A brick is deep where its centre is at least this many cells away from the mesh: then its cells, whose centres are at
 /// most 2.6 cells from there, are farther away than ρ.
 const DEEP: f32 = 6.0;
@@ -135,6 +136,22 @@ impl DistanceBound {
         by_distance.max(by_plane).max(0.0)
     }
 
+    /// [`Self::bound`] at `p`, and whether a way that leads from there by `step` cannot meet the mesh: it stays before the plane.
+    #[inline]
+    pub fn bound_ahead(&self, mesh: &MeshGeometry, p: Vec3, step: Vec3) -> (f32, bool) {
+        let (cell, from_middle) = self.look_up(mesh, p);
+        let away = from_middle.length();
+        let normal = cell.normal();
+        let by_distance = cell.distance as f32 * self.distance_unit - away;
+        let before = f32::from(cell.plane) * self.plane_unit - normal.dot(from_middle);
+        let by_plane = before.min(BALL * self.cell - away);
+        let ahead = from_middle + Vec3A::from(step);
+        let stays = by_plane > 0.0
+            && normal.dot(Vec3A::from(step)) < before
+            && ahead.length_squared() < BALL * BALL * self.cell * self.cell;
+        (by_distance.max(by_plane).max(0.0), stays)
+    }
+
     /// About the outward unit normal of the mesh where it is nearest to `p`; within a cell of the mesh.
     pub fn normal(&self, mesh: &MeshGeometry, p: Vec3) -> Option<Vec3> {
         Vec3::from(self.look_up(mesh, p).0.normal()).try_normalize()
@@ -143,6 +160,31 @@ impl DistanceBound {
     /// The cell of a point, and the point relative to the cell's centre.
     #[inline]
     fn look_up(&self, mesh: &MeshGeometry, p: Vec3) -> (Cell, Vec3A) {
+        let (at, index, q) = self.place(p);
+        let word = match self.cells[at].load(Ordering::Relaxed) {
+            0 => self.fill(mesh, at, index),
+            known => known,
+        };
+        (Cell::unpack(word), (q - (index + 0.5)) * self.cell)
+    }
+
+    /// Asks for the memory of the cell of a point that will be looked at soon.
+    #[inline]
+    pub fn prefetch(&self, p: Vec3) {
+        let (at, _, _) = self.place(p);
+        #[cfg(all(target_arch = "x86_64", target_feature = "sse"))]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a prefetch has no effect on what a program computes, wherever it points.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(self.cells.as_ptr().wrapping_add(at).cast()) };
+        }
+        #[cfg(not(all(target_arch = "x86_64", target_feature = "sse")))]
+        let _ = at;
+    }
+
+    /// The cell of a point: where it is stored, its index on each axis, and the point in units of cells.
+    #[inline]
+    fn place(&self, p: Vec3) -> (usize, Vec3A, Vec3A) {
         // Adding 2²³ rounds, and leaves a whole number in the low bits. At the face between two cells it does not matter
         // which one is chosen. `max` turns NaN into the first cell.
         const WHOLE: f32 = 8_388_608.0;
@@ -151,12 +193,7 @@ impl DistanceBound {
         let [x, y, z] = shifted.to_array().map(|i| i.to_bits() & 0x007f_ffff);
         let brick = (x >> 2) + (y >> 2) * self.bricks[0] + (z >> 2) * self.bricks[1];
         let at = (brick << 6 | (z & 3) << 4 | (y & 3) << 2 | x & 3) as usize;
-        let index = shifted - WHOLE;
-        let word = match self.cells[at].load(Ordering::Relaxed) {
-            0 => self.fill(mesh, at, index),
-            known => known,
-        };
-        (Cell::unpack(word), (q - (index + 0.5)) * self.cell)
+        (at, shifted - WHOLE, q)
     }
 
     #[cold]
@@ -213,7 +250,10 @@ impl DistanceBound {
         // Rounded towards zero, so that it is not longer than 1.
         let stored = (normal * 127.0).to_array().map(|n| n as i8);
         let normal = Vec3::from_array(stored.map(|n| f32::from(n) * (1.0 / 127.0)));
-        let least = mesh.least_along(normal, center, radius + self.rounding) - 2.0 * self.rounding;
+        // The nearest triangle reaches into the ball, or none does.
+        let start = mesh.triangle(nearest.triangle).map(|corner| normal.dot(corner - center));
+        let start = start.into_iter().fold(f32::INFINITY, f32::min);
+        let least = mesh.least_along(normal, (center, radius + self.rounding), start) - 2.0 * self.rounding;
         let units = (least / self.plane_unit).floor() - 1.0;
         let farthest = f32::from(i16::MAX);
         (stored, if units < -farthest { NOWHERE } else { units.min(farthest) as i16 })
@@ -234,6 +274,7 @@ impl DistanceBound {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ray::Ray;
     use super::super::shapes::{Random, cuboid, place, soup, sphere};
     use super::*;
 
@@ -274,6 +315,34 @@ mod tests {
                     assert!(sum[i] >= worth[i] * all[i], "{i}: {} of the distance", sum[i] / all[i]);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn ways_that_stay_before_the_plane_meet_nothing() {
+        for shape in [sphere(4, 0.0, 1), sphere(4, 0.3, 2), soup(50, 0.5, 3)] {
+            let mesh = MeshGeometry::build(&shape.0, &shape.1);
+            let bound = DistanceBound::with_resolution(&mesh, 16);
+            let mut random = Random(5);
+            let (mut beyond, mut staying) = (0, 0);
+            for _ in 0..20_000 {
+                let (p, step) = (random.cube(), 0.1 * random.cube());
+                let (clear, stays) = bound.bound_ahead(&mesh, p, step);
+                assert_eq!(clear, bound.bound(&mesh, p));
+                if stays {
+                    staying += 1;
+                    beyond += u32::from(step.length() > clear);
+                    let ray = Ray { origin: p, direction: step.normalize(), t_max: step.length() };
+                    assert!(mesh.intersect(&ray).is_none(), "{p} {step}");
+                }
+            }
+            assert!(beyond > 100 && staying > beyond, "{beyond} of {staying}");
+        }
+        let (positions, triangles) = sphere(2, 0.0, 1);
+        let mesh = MeshGeometry::build(&positions, &triangles);
+        let bound = DistanceBound::new(&mesh);
+        for endless in [Vec3::INFINITY, Vec3::new(f32::NAN, 0.0, 0.0)] {
+            assert!(!bound.bound_ahead(&mesh, Vec3::new(0.9, 0.0, 0.0), endless).1);
         }
     }
 

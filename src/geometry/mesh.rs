@@ -2,7 +2,7 @@
 
 use super::huge_pages::with_huge_pages;
 use super::lanes::{Lanes, Native};
-use super::nearest::traverse_nearest;
+use super::nearest::{traverse_lowest, traverse_nearest};
 use super::offset::gamma;
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
 use super::traversal::traverse;
@@ -159,20 +159,26 @@ impl MeshGeometry {
         least.sqrt()
     }
 
-    /// The least `n · (x - center)` of all triangles that reach into a ball; infinity where there are none.
-    pub(super) fn least_along(&self, n: Vec3, center: Vec3, radius: f32) -> f32 {
+    /// The least `n · (x - center)` of all triangles that reach into a ball, but at most `start`; nearly, as far as floats can
+    /// tell.
+    pub(super) fn least_along(&self, n: Vec3, (center, radius): (Vec3, f32), start: f32) -> f32 {
         let squared = radius * radius;
-        let mut least = f32::INFINITY;
-        traverse_nearest::<Native, _>(&self.bvh, center, squared, |block, bound| {
+        let mut least = start;
+        traverse_lowest::<Native, _>(&self.bvh, (center, squared), (n, start), |block, _| {
             let distances = block.squared_distances::<Native>(center);
             for (lane, _) in distances.iter().enumerate().filter(|(_, d)| **d <= squared) {
                 for corner in self.triangle(block.ids[lane]) {
                     least = least.min(n.dot(corner - center));
                 }
             }
-            bound
+            least
         });
         least
+    }
+
+    /// Positions, and the places of each triangle's corners in them.
+    pub(super) fn indexed(&self) -> (&[Vec3], &[[u32; 3]]) {
+        (&self.positions, &self.triangles)
     }
 
     /// Whether both hierarchies are the same, bit by bit.

@@ -1,5 +1,5 @@
-//! The walk through the wide hierarchy that finds nearest points: boxes in order of distance, until none is nearer than
-//! what has been found.
+//! The walks through the wide hierarchy that find nearest points, boxes in order of distance until none is nearer than
+//! what has been found, and what reaches farthest in a direction near a point.
 
 use super::lanes::Lanes;
 use super::lines::{self, Lined};
@@ -83,6 +83,53 @@ pub(super) fn traverse_nearest<L: Lanes, B: Lined>(
                 current = entry as u32;
                 break;
             }
+        }
+    }
+}
+
+/// Visits the blocks that may reach into the ball of radius √`squared` about `p`, and there may hold a point x with
+/// `n · (x - p)` below `least`.
+///
+/// `visit(block, least)` returns the new `least`.
+#[inline(always)]
+pub(super) fn traverse_lowest<L: Lanes, B: Lined>(
+    bvh: &WideBvh<B>,
+    (p, squared): (Vec3, f32),
+    (n, mut least): (Vec3, f32),
+    mut visit: impl FnMut(&B, f32) -> f32,
+) {
+    if bvh.lines.is_empty() {
+        return;
+    }
+    let point = [L::splat(p.x), L::splat(p.y), L::splat(p.z)];
+    let normal = [L::splat(n.x), L::splat(n.y), L::splat(n.z)];
+    let lowest: [usize; 3] = std::array::from_fn(|axis| if n[axis] > 0.0 { axis } else { axis + 3 });
+    // Postponed children, each with the least that it may hold.
+    let mut stack = vec![(f32::NEG_INFINITY, 0_u32)];
+    while let Some((may_hold, child)) = stack.pop() {
+        if may_hold >= least {
+            continue;
+        }
+        if child & LEAF != 0 {
+            least = visit(lines::get(&bvh.lines, child & !LEAF), least);
+            continue;
+        }
+        let node: &Node = lines::get(&bvh.lines, child);
+        let zero = L::splat(0.0);
+        let (mut away, mut along) = (zero, zero);
+        for (axis, &p) in point.iter().enumerate() {
+            let below = L::load(&node.planes[axis]).sub(p);
+            let above = p.sub(L::load(&node.planes[axis + 3]));
+            let gap = below.max(above).max(zero);
+            away = gap.mul_add(gap, away);
+            along = L::load(&node.planes[lowest[axis]]).sub(p).mul_add(normal[axis], along);
+        }
+        let mut hits = L::bits(away.le(L::splat(squared))) & L::bits(along.lt(L::splat(least)));
+        let along = along.store();
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize & 7;
+            hits &= hits - 1;
+            stack.push((along[lane], node.children[lane]));
         }
     }
 }

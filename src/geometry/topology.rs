@@ -14,6 +14,7 @@ use super::mesh::MeshGeometry;
 use super::ray::MeshHit;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// The component of a triangle that belongs to none: dropped, with equal corners, or a repetition.
 pub const NO_COMPONENT: u32 = u32::MAX;
@@ -218,29 +219,39 @@ impl Topology {
 
 /// Vertices numbered by the first corner that has them.
 fn first_corners(merged: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut first = std::collections::HashMap::new();
-    let corners = merged.iter().flatten().zip(0_u32..);
-    let numbers: Vec<u32> = corners.map(|(&vertex, corner)| *first.entry(vertex).or_insert(corner)).collect();
+    let largest = merged.par_iter().flatten().max().map_or(0, |&vertex| vertex as usize);
+    let corners = merged.as_flattened();
+    let numbers: Vec<u32> = if largest < 4 * corners.len() {
+        let mut first = vec![u32::MAX; largest + 1];
+        let number = |(&vertex, corner): (&u32, u32)| {
+            let first = &mut first[vertex as usize];
+            *first = corner.min(*first);
+            *first
+        };
+        corners.iter().zip(0_u32..).map(number).collect()
+    } else {
+        let mut first = HashMap::new();
+        corners.iter().zip(0_u32..).map(|(&vertex, corner)| *first.entry(vertex).or_insert(corner)).collect()
+    };
     numbers.as_chunks::<3>().0.to_vec()
 }
 
 /// Vertex numbers of each triangle after merging equal positions; three equal numbers for dropped triangles.
 fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
-    let count = mesh.triangle_count();
+    let (positions, triangles) = mesh.indexed();
     // Adding zero makes −0 and 0 the same bits.
     let key = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
-    let mut corners: Vec<([u32; 3], u32)> = (0..3 * count as u32)
-        .into_par_iter()
-        .map(|i| (key(mesh.triangle(i / 3)[i as usize % 3]), i))
-        .collect();
-    corners.par_sort_unstable();
-    let mut vertices = vec![[0_u32; 3]; count];
-    for same in corners.chunk_by(|a, b| a.0 == b.0) {
+    let mut order: Vec<([u32; 3], u32)> =
+        positions.par_iter().enumerate().map(|(i, &p)| (key(p), i as u32)).collect();
+    order.par_sort_unstable();
+    let mut equal = vec![0; positions.len()];
+    for same in order.chunk_by(|a, b| a.0 == b.0) {
         for &(_, i) in same {
-            vertices[i as usize / 3][i as usize % 3] = same[0].1;
+            equal[i as usize] = same[0].1;
         }
     }
-    vertices
+    let merged: Vec<_> = triangles.par_iter().map(|t| t.map(|i| equal[i as usize])).collect();
+    first_corners(&merged)
 }
 
 /// False for triangles with equal corners and for repetitions.
@@ -254,9 +265,9 @@ fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
             [c, a, b]
         }
     };
-    let mut sorted: Vec<([u32; 3], u32)> =
+    let triangles: Vec<([u32; 3], u32)> =
         vertices.par_iter().enumerate().map(|(i, v)| (lowest_first(v), i as u32)).collect();
-    sorted.par_sort_unstable();
+    let sorted = sorted_by_vertex(&triangles, vertices.len(), |t| t.0[0]);
     let mut used = vec![false; vertices.len()];
     for same in sorted.chunk_by(|a, b| a.0 == b.0) {
         let [a, b, c] = same[0].0;
@@ -266,7 +277,7 @@ fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
 }
 
 fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
-    let mut edges: Vec<EdgeUse> = (0..vertices.len())
+    let edges: Vec<EdgeUse> = (0..vertices.len())
         .into_par_iter()
         .filter(|&t| used[t])
         .flat_map_iter(|t| {
@@ -277,8 +288,32 @@ fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUs
             })
         })
         .collect();
-    edges.par_sort_unstable();
-    edges
+    sorted_by_vertex(&edges, vertices.len(), |edge| edge.0)
+}
+
+/// Sorts what begins with a vertex: counts how often each one occurs, and sorts what little belongs to one.
+fn sorted_by_vertex<T: Copy + Ord + Send>(
+    items: &[T],
+    triangles: usize,
+    vertex: impl Fn(&T) -> u32 + Sync,
+) -> Vec<T> {
+    let Some(&any) = items.first() else { return Vec::new() };
+    let mut places = vec![0_u32; 3 * triangles + 1];
+    for item in items {
+        places[vertex(item) as usize + 1] += 1;
+    }
+    for i in 1..places.len() {
+        places[i] += places[i - 1];
+    }
+    let mut sorted = vec![any; items.len()];
+    for item in items {
+        let place = &mut places[vertex(item) as usize];
+        sorted[*place as usize] = *item;
+        *place += 1;
+    }
+    let groups = sorted.par_chunk_by_mut(|a, b| vertex(a) == vertex(b));
+    groups.for_each(|group| group.sort_unstable());
+    sorted
 }
 
 fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {

@@ -67,6 +67,14 @@ impl HenyeyGreenstein {
         if minus < plus { 1.0 - minus } else { plus - 1.0 }
     }
 
+    /// Cosine and sine of the deflection whose distribution function is `xi`.
+    #[inline(always)]
+    pub fn deflection(&self, xi: f32) -> (f32, f32) {
+        let (minus, plus) = self.invert(xi);
+        let cos = if minus < plus { 1.0 - minus } else { plus - 1.0 };
+        (cos, (minus * plus).max(0.0).sqrt())
+    }
+
     /// A new unit direction of propagation after one along the unit vector `before`, and its density; `u` in
     /// \[0, 1)².
     #[inline]

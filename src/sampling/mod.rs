@@ -8,6 +8,7 @@ pub mod distribution;
 pub mod exponential;
 pub mod fast_math;
 pub mod frame;
+pub mod lanes;
 pub mod mis;
 pub mod rng;
 pub mod sampler;

@@ -22,6 +22,15 @@ pub fn hash3(a: u32, b: u32, seed: u32) -> u64 {
     mix64(((u64::from(a) << 32) | u64::from(b)) ^ seed)
 }
 
+/// The first state of the stream that belongs to a key.
+#[inline(always)]
+pub(super) fn state_of(key: u64) -> [u32; 4] {
+    let a = mix64(key.wrapping_add(GOLDEN));
+    let b = mix64(key.wrapping_add(GOLDEN.wrapping_mul(2)));
+    // Only the zero state is a fixed point; distinct inputs of a bijection cannot both give zero.
+    [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32]
+}
+
 /// A small, fast, statistically sound generator; not for cryptography.
 #[derive(Clone, Debug)]
 pub struct SmallRng {
@@ -32,10 +41,7 @@ impl SmallRng {
     /// The stream that belongs to a 64-bit key; keys may be consecutive.
     #[inline]
     pub fn new(key: u64) -> Self {
-        let a = mix64(key.wrapping_add(GOLDEN));
-        let b = mix64(key.wrapping_add(GOLDEN.wrapping_mul(2)));
-        // Only the zero state is a fixed point; distinct inputs of a bijection cannot both give zero.
-        Self { state: [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32] }
+        Self { state: state_of(key) }
     }
 
     /// The stream of sample `sample` of pixel `pixel` in a render with seed `seed`.

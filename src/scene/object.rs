@@ -96,6 +96,7 @@ impl Scene {
                 .triangle_materials
                 .iter()
                 .any(|&m| self.medium(m).is_some_and(|m| m.sigma_s.max_element() > 0.0));
+            let chord = self.mean_chord(instance);
             let distance = (closed && scatters).then(|| {
                 let mesh = self.geometry.mesh_of(instance);
                 let key = std::ptr::from_ref(mesh);
@@ -118,15 +119,15 @@ impl Scene {
                 overlapped,
                 lit_inside,
                 aimable: false,
-                returned: self.returned(instance),
-                walks: self.walks(instance),
+                returned: self.returned(instance, chord),
+                walks: self.walks(instance, chord),
                 distance,
             };
         }
     }
 
     /// [`Object::returned`] of an instance.
-    fn returned(&self, instance: u32) -> Option<f32> {
+    fn returned(&self, instance: u32, chord: f32) -> Option<f32> {
         let mesh = self.mesh(instance);
         let index = *mesh.triangle_materials.first()?;
         let textured =
@@ -134,14 +135,13 @@ impl Scene {
         let uniform = mesh.triangle_materials.iter().all(|&m| m == index)
             && !self.material(index).medium.as_ref().is_some_and(textured);
         let medium = self.medium(index).filter(|_| uniform)?;
-        let returned = medium.returned(self.mean_chord(instance)).max(Vec3::splat(LEAST_RETURNED));
+        let returned = medium.returned(chord).max(Vec3::splat(LEAST_RETURNED));
         Some(3.0 / returned.recip().element_sum()).filter(|r| r.is_finite())
     }
 
     /// [`Object::walks`] of an instance.
-    fn walks(&self, instance: u32) -> u32 {
+    fn walks(&self, instance: u32, chord: f32) -> u32 {
         let media = self.mesh(instance).triangle_materials.iter().filter_map(|&m| self.medium(m));
-        let chord = self.mean_chord(instance);
         let longest = media.map(|m| m.events(chord)).fold(1.0, f32::max);
         ((REST_OF_A_SAMPLE / longest).sqrt() as u32).clamp(1, MOST_WALKS)
     }

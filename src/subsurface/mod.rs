@@ -17,6 +17,7 @@ mod better_dipole;
 mod brdf_approximation;
 mod dipole;
 mod directional_dipole;
+mod draws;
 mod exit_search;
 mod from_boundary;
 mod guide;

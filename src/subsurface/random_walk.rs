@@ -9,7 +9,8 @@
 //! **Distances.** Free flights and their weights are those of [`super::spectral`].
 //!
 //! **Short queries.** In a closed object the walk runs in the object's own space, and a flight shorter than a lower bound
-//! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. What else reaches into the
+//! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. Flights and directions are drawn for
+//! several events at once ([`super::draws`]). What else reaches into the
 //! object's bounds is only asked for by flights that come near it.
 //!
 //! **Jumps.** The accelerated walk crosses spheres at once ([`super::sphere_jumps`]).
@@ -25,6 +26,7 @@
 //! ([`PathHead::aimed`]); `transport::weight` has the weights.
 
 use super::aiming::{self, Aiming, Event};
+use super::draws::Draws;
 use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
@@ -210,6 +212,8 @@ fn walk_steered<S: Steering>(
     let mut first = 0;
     // Direction of travel before the last event.
     let mut before = d;
+    distance.prefetch(p);
+    let mut draws = Draws::new(c.phase, sampler.rng());
     let mut next_flight = draw_flight(sampler.rng());
     let arrival = 'walk: loop {
         let (channel, mean_free_path) = c.draw_channel(beta, sampler.rng());
@@ -219,14 +223,15 @@ fn walk_steered<S: Steering>(
         while collisions < most {
             let t = stretch.flight(next_flight * mean_free_path, d);
             // What comes next is drawn before the branches, which are hard to predict: it need not be done again.
-            next_flight = draw_flight(sampler.rng());
-            let guided = stretch.direction(sampler.rng());
-            let turned = guided.unwrap_or_else(|| redirect(c.phase, d, sampler.rng()));
+            let (flight, scattered) = draws.event(d);
+            next_flight = flight;
+            let turned = stretch.direction(sampler.rng()).unwrap_or(scattered);
             let intruder = intruders.intersect(p, outset.take(), d, t);
             let t_max = intruder.as_ref().map_or(t, |hit| hit.t);
             if t >= clear {
-                clear = distance.bound(mesh, p);
-                if t >= clear {
+                let stays;
+                (clear, stays) = distance.bound_ahead(mesh, p, d * t);
+                if t >= clear && !stays {
                     if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
                         if at_events {
                             head.aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);

@@ -16,7 +16,7 @@ use super::guide::{Plain, Steering};
 use super::random_walk::uniform_direction;
 use super::spectral::Coefficients;
 use crate::optics::diffusion::sphere::Sphere;
-use crate::sampling::{SmallRng, orthonormal_basis};
+use crate::sampling::{SmallRng, fast_math, orthonormal_basis};
 use glam::{Mat3, Vec3, Vec3A};
 use std::sync::OnceLock;
 
@@ -108,7 +108,7 @@ impl Steering for Jumping<'_> {
         let angles = angles(jumps.skipped + i);
         let cos = angles[((rng.f32() * SAMPLES as f32) as usize).min(SAMPLES - 1)];
         let (x, y) = orthonormal_basis(normal);
-        let (sin_phi, cos_phi) = (std::f32::consts::TAU * rng.f32()).sin_cos();
+        let (sin_phi, cos_phi) = fast_math::sin_cos_turns(rng.f32() - 0.5);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let direction = Mat3::from_cols(x, y, normal) * Vec3::new(sin * cos_phi, sin * sin_phi, cos);
         (p + d * shift + normal * jumps.radii[i], direction.normalize(), beta * jumps.through[i])

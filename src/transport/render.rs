@@ -93,6 +93,9 @@ pub trait RenderControl: Sync {
     fn advance(&self, samples_done: u64, samples_total: u64);
     /// Whether to stop; what is finished is kept.
     fn cancelled(&self) -> bool;
+    /// Called between passes, while nothing is rendered; `picture` makes the picture so far, whose pixels all have the
+    /// same number of samples.
+    fn between_passes(&self, _picture: &dyn Fn() -> Rendered) {}
 }
 
 /// Neither watches nor cancels.
@@ -251,6 +254,9 @@ impl Job<'_> {
                 self.control.advance(so_far, total);
             });
             first = last;
+            if first < spp && !self.control.cancelled() {
+                self.control.between_passes(&|| self.assemble(&tiles));
+            }
         }
         self.assemble(&tiles)
     }

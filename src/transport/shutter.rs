@@ -95,7 +95,8 @@ pub fn render_shutter<E: From<RenderError>>(
             ..options.clone()
         };
         let before = pixels * u64::from(slice.first_sample);
-        let watch = Part { control, before, total: pixels * u64::from(options.spp) };
+        let total = pixels * u64::from(options.spp);
+        let watch = Part { control, before, total, is_first: sum.samples == 0 };
         let rendered = render_with(&scene, &part, &watch, models)?;
         if rendered.spp < slice.samples {
             if sum.samples == 0 {
@@ -105,6 +106,9 @@ pub fn render_shutter<E: From<RenderError>>(
         }
         stats += rendered.stats;
         sum.add(&rendered.film, slice.samples);
+        if sum.samples < options.spp {
+            control.between_passes(&|| Rendered { spp: sum.samples, film: sum.mean(), stats });
+        }
     }
     Ok(Rendered { spp: sum.samples, film: sum.mean(), stats })
 }
@@ -114,6 +118,8 @@ struct Part<'a> {
     control: &'a dyn RenderControl,
     before: u64,
     total: u64,
+    /// Whether its passes are all that there is.
+    is_first: bool,
 }
 
 impl RenderControl for Part<'_> {
@@ -123,6 +129,12 @@ impl RenderControl for Part<'_> {
 
     fn cancelled(&self) -> bool {
         self.control.cancelled()
+    }
+
+    fn between_passes(&self, picture: &dyn Fn() -> Rendered) {
+        if self.is_first {
+            self.control.between_passes(picture);
+        }
     }
 }
 
@@ -148,12 +160,13 @@ impl Sum {
         self.samples += samples;
     }
 
-    fn mean(mut self) -> Film {
+    fn mean(&self) -> Film {
         let samples = f64::from(self.samples.max(1));
-        for (value, sum) in values(&mut self.film).zip(&self.numbers) {
+        let mut film = self.film.clone();
+        for (value, sum) in values(&mut film).zip(&self.numbers) {
             *value = (sum / samples) as f32;
         }
-        self.film
+        film
     }
 }
 

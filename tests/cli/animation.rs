@@ -113,6 +113,11 @@ fn an_open_shutter_blurs_what_moves_and_nothing_else() {
     let first = std::fs::read(sandbox.path("a.exr")).expect("a picture");
     mean(&sandbox, &many);
     assert!(first == std::fs::read(sandbox.path("a.exr")).expect("a picture"), "threads changed the picture");
+    mean(&sandbox, &[&many[..], &["--progressive"]].concat());
+    assert!(
+        first == std::fs::read(sandbox.path("a.exr")).expect("a picture"),
+        "pictures on the way changed the last"
+    );
 
     // Where nothing moves the picture is that without a shutter, up to the rounding of the mean.
     let still = ["--at", "-5", "--spp", "10"];
