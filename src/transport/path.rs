@@ -18,6 +18,8 @@ use std::cell::Cell;
 
 /// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
 const LIGHTS_AT_EXITS: u32 = 3;
+/// Lights that are sampled where the camera sees an opaque surface: cheap beside the walks of a sample. Measured.
+const LIGHTS_IN_VIEW: u32 = 2;
 
 /// Follows paths through a scene; one for each thread.
 pub(super) struct PathTracer<'a> {
@@ -261,7 +263,7 @@ impl PathTracer<'_> {
             front,
             enclosure,
             anchor: Shaded::NOWHERE,
-            lights: 1,
+            lights: if path.bounces == 0 && enclosure.is_none() { LIGHTS_IN_VIEW } else { 1 },
             lit_inside,
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
