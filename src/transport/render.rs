@@ -244,7 +244,8 @@ impl Job<'_> {
         let mut first = 0;
         while first < spp && !self.control.cancelled() {
             let last = (first + first.clamp(1, LARGEST_PASS)).min(spp);
-            tiles.par_iter_mut().for_each(|tile| {
+            // Tiles differ by far in what they cost: each is a job of its own that an idle thread can take.
+            tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
                 if self.control.cancelled() {
                     return;
                 }

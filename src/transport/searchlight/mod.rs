@@ -181,6 +181,7 @@ impl Bench<'_> {
         let done = AtomicU64::new(0);
         let tallies: Vec<Option<Tally>> = (0..BATCHES)
             .into_par_iter()
+            .with_max_len(1)
             .map(|batch| {
                 let mut tally = self.tally();
                 for path in 0..each {
