@@ -31,8 +31,8 @@ def bumpy_sphere(n):
     return (p * (1 + 0.2 * wave)).astype("<f4"), triangles.astype("<u4")
 
 
-def write_glb(path):
-    positions, triangles = bumpy_sphere(GRID)
+def write_glb(path, grid=GRID):
+    positions, triangles = bumpy_sphere(grid)
     binary = positions.tobytes() + triangles.tobytes()
     views = [{"buffer": 0, "byteOffset": 0, "byteLength": positions.nbytes},
              {"buffer": 0, "byteOffset": positions.nbytes, "byteLength": triangles.nbytes}]
@@ -97,4 +97,5 @@ def main():
               f"one sample a pixel {s['render_seconds']:.2f} s, write {s['write_seconds']:.3f} s")
 
 
-main()
+if __name__ == "__main__":
+    main()
