@@ -211,14 +211,21 @@ impl Connector for FlightLights<'_, '_> {
     }
 }
 
+/// Light is taken to come from at least so far above the horizon (sine of elevation), to find where it comes out: that from
+/// below the horizon near by comes out where the boundary bends towards it.
+const LEAST_ABOVE: f32 = 0.05;
+
 impl PathTracer<'_> {
     /// The normal of the boundary where light from the unit direction `outside` leaves towards a point inside, to first
     /// order: where it would if the boundary had the normal near by everywhere.
     pub(super) fn emerging_normal(&self, nearby: &NearBoundary, outside: Vec3) -> Vec3 {
         let NearBoundary { instance, point, normal, eta } = *nearby;
-        if outside.dot(normal) <= 0.0 {
-            return normal;
-        }
+        let above = outside.dot(normal);
+        let outside = if above < LEAST_ABOVE {
+            (outside + (LEAST_ABOVE - above) * normal).normalize()
+        } else {
+            outside
+        };
         let Some(inward) = fresnel::refract(outside, normal, eta) else { return normal };
         let direction = -inward.normalize();
         let ray = Ray { origin: point, direction, t_max: f32::INFINITY };
