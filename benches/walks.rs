@@ -151,7 +151,7 @@ fn main() {
                 let mut sampler = Sampler::new(walk, turn, which as u32);
                 let place = if ordered { walk as f32 / count as f32 } else { sampler.rng().f32() };
                 let triangle = (place * triangles.len() as f32) as u32 % triangles.len() as u32;
-                let start = Hit { t: 0.0, instance: 0, triangle, u: 0.3, v: 0.3 };
+                let start = Hit::at(0, triangle, 0.3, 0.3);
                 let model = match which {
                     0 => {
                         plain(&start, sampler.rng(), &mut tally);

@@ -24,11 +24,27 @@ impl MeshGeometry {
     ///
     /// On the surface either answer may come. For a mesh that is not closed it is the majority's opinion.
     pub fn contains(&self, p: Vec3) -> bool {
+        self.winding_number(p) != 0
+    }
+
+    /// How often a closed mesh winds about the point: 0 outside, 1 in a solid, 2 where two parts overlap, −1 in one that is
+    /// inside out.
+    ///
+    /// As with [`Self::contains`], an answer on the surface means nothing, and that of an open mesh is the majority's.
+    pub fn winding_number(&self, p: Vec3) -> i32 {
         if !self.bounds().contains(p) {
-            return false;
+            return 0;
         }
         let mut hits = Vec::new();
-        vote(|direction| self.winding(p, direction, &mut hits, |_| true) != 0)
+        let mut answers = DIRECTIONS.map(|_| 0);
+        for (i, direction) in DIRECTIONS.iter().enumerate() {
+            answers[i] = self.winding(p, direction.normalize(), &mut hits, |_| true);
+            if i == 2 && answers[0] == answers[1] && answers[1] == answers[2] {
+                return answers[0];
+            }
+        }
+        answers.sort_unstable();
+        answers[DIRECTIONS.len() / 2]
     }
 
     /// Signed crossings of triangles that `counts` along a ray: +1 on leaving through a front, −1 on entering.

@@ -14,6 +14,12 @@ use rayon::prelude::*;
 /// Greatest magnitude of a coordinate; squares and products of three lengths must stay finite.
 const GREATEST: f32 = 1.0e18;
 
+/// Rounding of coordinates and distances, relative to the largest of them: what is equal but for rounding may be off by
+/// so much, 16 roundings.
+pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
+/// Least cosine between ray and normal for which bands are as long as they should be. Flatter rays are one in a million.
+pub(super) const LEAST_COSINE: f32 = 1.0 / 1024.0;
+
 /// Triangles and the hierarchy that answers ray queries about them. Immutable.
 ///
 /// Triangles keep the indices they were given. Those that cannot be hit are left out of the hierarchy: a coordinate
@@ -126,6 +132,21 @@ impl MeshGeometry {
         self.occluded_with::<Native>(ray)
     }
 
+    /// Visits hits in any order until `visit` returns true.
+    #[inline]
+    pub(super) fn any_hit(&self, ray: &Ray, mut visit: impl FnMut(f32, u32) -> bool) -> bool {
+        let mut shear = None;
+        let mut found = false;
+        traverse::<Native, false, _>(&self.bvh, ray, |block, t_max| {
+            let shear = shear.get_or_insert_with(|| ShearRay::<Native>::new(ray));
+            if let Some(hits) = block.intersect(shear, t_max) {
+                found = bits(hits.mask).any(|lane| visit(hits.t[lane], block.ids[lane]));
+            }
+            if found { -1.0 } else { t_max }
+        });
+        found
+    }
+
     /// All hits, sorted by distance (then by triangle), in place of what `hits` held.
     pub fn intersect_all(&self, ray: &Ray, hits: &mut Vec<MeshHit>) {
         self.intersect_all_with::<Native>(ray, hits);
@@ -190,25 +211,38 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
         let mut shear = None;
-        let mut closest = None;
+        let mut closest: Option<MeshHit> = None;
+        // Distance of the closest hit but one.
+        let mut second = f32::INFINITY;
         traverse::<L, true, _>(&self.bvh, ray, |block, mut t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
             if let Some(hits) = block.intersect(shear, t_max) {
                 for lane in bits(hits.mask) {
-                    if hits.t[lane] < t_max {
-                        t_max = hits.t[lane];
-                        closest = Some(MeshHit {
-                            t: t_max,
-                            triangle: block.ids[lane],
-                            u: hits.u[lane],
-                            v: hits.v[lane],
-                        });
+                    let t = hits.t[lane];
+                    let least = closest.as_ref().map_or(f32::INFINITY, |hit| hit.t);
+                    second = second.min(t.max(least));
+                    if t < least {
+                        let triangle = block.ids[lane];
+                        let band = self.band(ray, triangle);
+                        t_max = t_max.min(t + band);
+                        let (u, v) = (hits.u[lane], hits.v[lane]);
+                        closest = Some(MeshHit { t, triangle, u, v, band, crowded: false });
                     }
                 }
             }
             t_max
         });
-        closest
+        closest.map(|hit| MeshHit { crowded: second <= hit.t + hit.band, ..hit })
+    }
+
+    /// Length of a ray before and after a triangle of this mesh on which other surfaces count as in the same place.
+    #[inline]
+    pub(super) fn band(&self, ray: &Ray, triangle: u32) -> f32 {
+        let bounds = self.bounds();
+        let farthest = (bounds.min - ray.origin).abs().max((bounds.max - ray.origin).abs());
+        let coordinates = (ray.origin.abs() + farthest).max_element();
+        let cosine = self.geometric_normal(triangle).dot(ray.direction).abs();
+        ROUNDING * coordinates / cosine.max(LEAST_COSINE)
     }
 
     #[inline(always)]
@@ -238,7 +272,8 @@ impl MeshGeometry {
             if let Some(found) = block.intersect(shear, t_max) {
                 for lane in bits(found.mask) {
                     let triangle = block.ids[lane];
-                    visit(MeshHit { t: found.t[lane], triangle, u: found.u[lane], v: found.v[lane] });
+                    let (t, u, v) = (found.t[lane], found.u[lane], found.v[lane]);
+                    visit(MeshHit { t, triangle, u, v, band: 0.0, crowded: false });
                 }
             }
             t_max

@@ -21,6 +21,7 @@ mod lines;
 mod mesh;
 mod nearest;
 mod offset;
+mod place;
 mod ray;
 mod scene;
 #[cfg(test)]

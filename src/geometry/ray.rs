@@ -36,6 +36,10 @@ pub struct MeshHit {
     pub u: f32,
     /// Barycentric weight of the third vertex, in \[0, 1\].
     pub v: f32,
+    /// Length of the ray before and after `t` on which another surface counts as in the same place; see [`Self::crowded`].
+    pub band: f32,
+    /// Whether the ray meets another triangle within the band: then both may be in one place, equal up to rounding.
+    pub crowded: bool,
 }
 
 /// The point of a mesh that is nearest to a given point.

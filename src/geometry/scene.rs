@@ -9,7 +9,7 @@
 
 use super::lanes::Native;
 use super::lines::Lined;
-use super::mesh::MeshGeometry;
+use super::mesh::{LEAST_COSINE, MeshGeometry, ROUNDING};
 use super::ray::{Aabb, MeshHit, Ray};
 use super::similarity::{Kind, Similarity};
 use super::traversal::traverse;
@@ -53,6 +53,26 @@ pub struct Hit {
     pub u: f32,
     /// Barycentric weight of the third vertex, in \[0, 1\].
     pub v: f32,
+    /// Length of the ray before and after `t`, metres, on which another surface counts as in the same place.
+    pub band: f32,
+    /// Whether the ray meets another surface within the band: then [`SceneGeometry::place`] tells what is there.
+    pub crowded: bool,
+}
+
+impl Hit {
+    /// A point of a triangle, met by no ray.
+    pub fn at(instance: u32, triangle: u32, u: f32, v: f32) -> Self {
+        Self { t: 0.0, instance, triangle, u, v, band: 0.0, crowded: false }
+    }
+
+    /// The closer one of two hits of a ray, crowded where both are in one place.
+    #[inline]
+    pub fn closer(self, other: Option<Self>) -> Self {
+        let Some(other) = other else { return self };
+        let (first, second) = if other.t < self.t { (other, self) } else { (self, other) };
+        let together = second.t - first.t <= first.band.max(second.band);
+        Self { crowded: first.crowded || together, ..first }
+    }
 }
 
 /// A point of a surface in world space.
@@ -189,12 +209,13 @@ impl SceneGeometry {
 
     /// Closest hit.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let mut closest = None;
+        let mut closest: Option<Hit> = None;
         traverse::<Native, true, _>(&self.bvh, ray, |&Leaf { instance, .. }, t_max| {
             match self.intersect_instance(instance, &Ray { t_max, ..*ray }) {
                 Some(hit) if hit.t < t_max => {
+                    let hit = hit.closer(closest);
                     closest = Some(hit);
-                    hit.t
+                    t_max.min(hit.t + hit.band)
                 }
                 _ => t_max,
             }
@@ -216,8 +237,21 @@ impl SceneGeometry {
     #[inline]
     pub fn intersect_instance(&self, instance: u32, ray: &Ray) -> Option<Hit> {
         let transform = self.transform(instance);
-        let hit = self.mesh_of(instance).intersect(&transform.inverse_ray(ray))?;
-        Some(to_world(instance, transform, hit))
+        let local = transform.inverse_ray(ray);
+        let mesh = self.mesh_of(instance);
+        let hit = mesh.intersect(&local)?;
+        let cosine = mesh.geometric_normal(hit.triangle).dot(local.direction).abs().max(LEAST_COSINE);
+        let coordinates = ray.origin.abs().max_element() + transform.translation.abs().max_element();
+        let hit = to_world(instance, transform, hit);
+        Some(Hit { band: hit.band + ROUNDING * coordinates / cosine, ..hit })
+    }
+
+    /// Visits all hits, in no order that means anything.
+    pub fn visit_hits(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
+        traverse::<Native, false, _>(&self.bvh, ray, |&Leaf { instance, .. }, t_max| {
+            self.visit_hits_of(instance, ray, &mut visit);
+            t_max
+        });
     }
 
     /// Visits all hits of one instance, in no order that means anything.
@@ -226,6 +260,37 @@ impl SceneGeometry {
         let transform = self.transform(instance);
         let visit_local = |hit| visit(to_world(instance, transform, hit));
         self.mesh_of(instance).visit_hits(&transform.inverse_ray(ray), visit_local);
+    }
+
+    /// Whether anything is in the way to a triangle that emits, at the end of a ray.
+    ///
+    /// `None`: something else is in the same place as the triangle, and [`Self::place`] has to tell what is on top.
+    pub fn occluded_before(&self, ray: &Ray, instance: u32, triangle: u32, band: f32) -> Option<bool> {
+        let (mut found, mut crowded) = (false, false);
+        let end = ray.t_max - band;
+        let reaching = Ray { t_max: ray.t_max + band, ..*ray };
+        traverse::<Native, false, _>(&self.bvh, &reaching, |&Leaf { instance: other, .. }, t_max| {
+            let transform = self.transform(other);
+            found = self.mesh_of(other).any_hit(&transform.inverse_ray(&reaching), |t, id| {
+                let before = transform.scale * t < end;
+                let itself = other == instance && id == triangle;
+                crowded |= !before && !itself;
+                before && !itself
+            });
+            if found { -1.0 } else { t_max }
+        });
+        if !found && crowded { None } else { Some(found) }
+    }
+
+    /// Length of a ray before and after a point of a triangle on which other surfaces count as in the same place.
+    #[inline]
+    pub fn band(&self, ray: &Ray, instance: u32, triangle: u32) -> f32 {
+        let transform = self.transform(instance);
+        let mesh = self.mesh_of(instance);
+        let local = transform.inverse_ray(ray);
+        let cosine = mesh.geometric_normal(triangle).dot(local.direction).abs().max(LEAST_COSINE);
+        let coordinates = ray.origin.abs().max_element() + transform.translation.abs().max_element();
+        transform.scale * mesh.band(&local, triangle) + ROUNDING * coordinates / cosine
     }
 
     /// The point of a hit in world space.
@@ -255,5 +320,6 @@ fn move_to_origin(positions: &mut [Vec3]) -> Vec3 {
 
 #[inline(always)]
 fn to_world(instance: u32, transform: &Similarity, hit: MeshHit) -> Hit {
-    Hit { t: transform.scale * hit.t, instance, triangle: hit.triangle, u: hit.u, v: hit.v }
+    let MeshHit { t, triangle, u, v, band, crowded } = hit;
+    Hit { t: transform.scale * t, instance, triangle, u, v, band: transform.scale * band, crowded }
 }

@@ -129,6 +129,16 @@ impl Similarity {
         self.rotation.determinant() < 0.0
     }
 
+    /// Bound of what world coordinates are sums of, on each axis, for local points of at most these coordinates.
+    pub fn magnitude(&self, local: Vec3) -> Vec3 {
+        if *self == Self::IDENTITY {
+            return local;
+        }
+        let r = &self.rotation;
+        let rotation = Mat3::from_cols(r.x_axis.abs(), r.y_axis.abs(), r.z_axis.abs());
+        rotation * (self.scale * local) + self.translation.abs()
+    }
+
     /// Local point with its error bounds to world, with bounds that also cover the way back by [`Self::inverse_point`].
     #[inline]
     pub fn point_with_error(&self, p: Vec3, error: Vec3) -> (Vec3, Vec3) {

@@ -1,8 +1,8 @@
 //! Is a mesh the boundary of a solid, and which way does it face?
 //!
 //! Positions that are equal to the bit become one vertex (files split vertices at seams), and triangles that share an
-//! edge one component. A component is closed if each edge belongs to exactly two triangles that run along it in
-//! opposite directions. Its orientation follows from the sign of its volume (the divergence theorem, one tetrahedron
+//! edge one component. A component is closed if as many triangles run along each edge in one direction as in the other: then
+//! winding numbers are whole and do not depend on the way. Its orientation follows from the sign of its volume (the divergence theorem, one tetrahedron
 //! a triangle) and from nesting: a component inside another one may face inwards, as a cavity does, but where
 //! the outermost is inside out, all that it holds is taken to be so too.
 //!
@@ -33,8 +33,11 @@ pub struct Component {
     pub non_manifold_edges: usize,
     /// Edges of two triangles that run along it in the same direction.
     pub inconsistent_edges: usize,
-    /// Every edge has exactly two triangles of opposite direction.
+    /// Whether it has an inside: as many triangles run along every edge in one direction as in the other. Mostly that is
+    /// one each; bodies that share an edge or a face have two or more.
     pub closed: bool,
+    /// Closed only because repetitions of triangles count.
+    pub repeated: bool,
     /// Closed, or would be once [`Topology::flips`] has been applied.
     pub closable: bool,
     /// Enclosed volume in cubic units of the mesh's space, positive where fronts are outside; exact only if closed.
@@ -85,12 +88,12 @@ impl Topology {
         }
         let mut topology = Self::components(mesh, &used, &mut sets);
         topology.count_edges(mesh, &edges);
+        topology.count_repetitions(&vertices, &used, mesh.is_reversed());
         for (component, set) in
             topology.components.iter_mut().zip(&sets.contradictions_of(&topology.component_of))
         {
             let tight = component.open_edges == 0 && component.non_manifold_edges == 0;
-            component.closed = tight && component.inconsistent_edges == 0;
-            component.closable = tight && !set;
+            component.closable = component.closed || (tight && !set);
         }
         topology.orient(mesh, &mut sets);
         topology
@@ -120,7 +123,8 @@ impl Topology {
                     open_edges: 0,
                     non_manifold_edges: 0,
                     inconsistent_edges: 0,
-                    closed: false,
+                    closed: true,
+                    repeated: false,
                     closable: false,
                     signed_volume: 0.0,
                     inside_out: false,
@@ -140,6 +144,7 @@ impl Topology {
         for edge in edges.chunk_by(same_edge) {
             let triangle = edge[0].2 >> 1;
             let component = &mut self.components[self.component_of[triangle as usize] as usize];
+            component.closed &= is_balanced(edge);
             match edge {
                 [_] => component.open_edges += 1,
                 [a, b] if a.2 & 1 == b.2 & 1 => component.inconsistent_edges += 1,
@@ -148,6 +153,33 @@ impl Topology {
             }
             if component.leaks.len() < LEAK_SAMPLES {
                 component.leaks.extend(edge_middle(mesh, edge));
+            }
+        }
+    }
+
+    /// Takes repetitions of triangles for what they are where a component has no inside without them: two bodies that share a
+    /// face, one of them wound the other way.
+    fn count_repetitions(&mut self, vertices: &[[u32; 3]], used: &[bool], reversed: bool) {
+        let solid: Vec<bool> = vertices.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+        if solid == used {
+            return;
+        }
+        let edges = edge_uses(vertices, &solid, reversed);
+        let mut balanced = vec![true; self.components.len()];
+        let mut twins = Vec::new();
+        for edge in edges.chunk_by(same_edge) {
+            let known = edge.iter().map(|use_| self.component_of[(use_.2 >> 1) as usize]);
+            let Some(component) = known.clone().find(|&c| c != NO_COMPONENT) else { continue };
+            balanced[component as usize] &= is_balanced(edge);
+            let repeated = edge.iter().zip(known).filter(|(_, c)| *c == NO_COMPONENT);
+            twins.extend(repeated.map(|(use_, _)| (use_.2 >> 1, component)));
+        }
+        for (triangle, component) in twins {
+            let whole = &mut self.components[component as usize];
+            if balanced[component as usize] && (!whole.closed || whole.repeated) {
+                whole.closed = true;
+                whole.repeated = true;
+                self.component_of[triangle as usize] = component;
             }
         }
     }
@@ -172,7 +204,8 @@ impl Topology {
                 volume[c as usize] += signed_volume(mesh, t, center) * if minority { -1.0 } else { 1.0 };
             }
         }
-        let holders = self.holders(mesh, &sample);
+        let extremes = self.extremes(mesh);
+        let holders = self.holders(mesh, &sample, &extremes);
         for c in 0..count {
             let depth = |h: &usize| (holders[*h].len(), *h);
             self.components[c].inside_of = holders[c].iter().copied().max_by_key(depth);
@@ -184,8 +217,25 @@ impl Topology {
         }
     }
 
-    /// For each closable component the closable components around it, given one triangle of each.
-    fn holders(&self, mesh: &MeshGeometry, sample: &[u32]) -> Vec<Vec<usize>> {
+    /// For each component its triangles that reach farthest along the axes, down and up.
+    fn extremes(&self, mesh: &MeshGeometry) -> Vec<[u32; 6]> {
+        let mut found = vec![[(f32::INFINITY, 0); 6]; self.components.len()];
+        for (t, &c) in self.component_of.iter().enumerate().filter(|(_, c)| **c != NO_COMPONENT) {
+            let [a, b, d] = mesh.triangle(t as u32);
+            let (low, high) = (a.min(b).min(d), a.max(b).max(d));
+            for (side, best) in found[c as usize].iter_mut().enumerate() {
+                let reach = if side < 3 { low[side] } else { -high[side - 3] };
+                if reach < best.0 {
+                    *best = (reach, t as u32);
+                }
+            }
+        }
+        found.into_iter().map(|of| of.map(|(_, t)| t)).collect()
+    }
+
+    /// For each closable component the closable components around all of it, given one triangle of each, and those that
+    /// reach farthest.
+    fn holders(&self, mesh: &MeshGeometry, sample: &[u32], extremes: &[[u32; 6]]) -> Vec<Vec<usize>> {
         let count = self.components.len();
         let closable = |c: usize| self.components[c].closable;
         if (0..count).filter(|&c| closable(c)).count() < 2 {
@@ -207,11 +257,17 @@ impl Topology {
             crossed.sort_unstable();
             crossed.dedup();
             crossed.retain(|&k| k != NO_COMPONENT && k as usize != c && closable(k as usize));
-            let odd = |k: u32, direction, hits: &mut Vec<MeshHit>| {
+            let odd = |k: u32, p, direction, hits: &mut Vec<MeshHit>| {
                 mesh.intersect_all(&super::Ray::new(p, direction), hits);
                 hits.iter().filter(|h| self.component_of[h.triangle as usize] == k).count() % 2 == 1
             };
-            crossed.into_iter().filter(|&k| vote(|d| odd(k, d, &mut hits))).map(|k| k as usize).collect()
+            crossed.retain(|&k| vote(|d| odd(k, p, d, &mut hits)));
+            for &t in &extremes[c] {
+                // Parts that cross each other are not inside of one another.
+                let p = mesh.point(t, 1.0 / 3.0, 1.0 / 3.0).0;
+                crossed.retain(|&k| vote(|d| odd(k, p, d, &mut hits)));
+            }
+            crossed.into_iter().map(|k| k as usize).collect()
         };
         (0..count).into_par_iter().map(around).collect()
     }
@@ -314,6 +370,11 @@ fn sorted_by_vertex<T: Copy + Ord + Send>(
     let groups = sorted.par_chunk_by_mut(|a, b| vertex(a) == vertex(b));
     groups.for_each(|group| group.sort_unstable());
     sorted
+}
+
+/// Whether as many triangles run along an edge in one direction as in the other.
+fn is_balanced(edge: &[EdgeUse]) -> bool {
+    2 * edge.iter().filter(|use_| use_.2 & 1 == 1).count() == edge.len()
 }
 
 fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {

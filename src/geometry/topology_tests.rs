@@ -101,6 +101,18 @@ fn cavities_and_solids_in_solids_are_right_as_they_are() {
 }
 
 #[test]
+fn a_reversed_part_is_a_cavity_only_where_all_of_it_is_inside() {
+    let block = || cuboid(Vec3::ZERO, Vec3::ONE);
+    let cavity = reverse(cuboid(Vec3::splat(0.2), Vec3::splat(0.8)));
+    assert!(!analyse(&merge(block(), cavity)).needs_flips());
+    // One that reaches out of the block is a solid, wound the other way.
+    let crossing = reverse(cuboid(Vec3::new(-2.0, 0.2, 0.2), Vec3::splat(0.8)));
+    let topology = analyse(&merge(block(), crossing));
+    assert!(!topology.components[0].inside_out && topology.components[1].inside_out);
+    assert_eq!(topology.components[1].inside_of, None);
+}
+
+#[test]
 fn open_and_tangled_meshes_say_where() {
     let mut open = cuboid(Vec3::ZERO, Vec3::ONE);
     open.1.pop();
@@ -116,7 +128,14 @@ fn open_and_tangled_meshes_say_where() {
     let topology = analyse(&touching);
     assert_eq!(topology.components.len(), 1);
     assert_eq!((topology.components[0].non_manifold_edges, topology.components[0].open_edges), (1, 0));
-    assert!(!topology.is_closed());
+    assert!(topology.is_closed());
+    // Two that share a face, which is there twice; and one wall between them, which leaves no inside of its own.
+    let halves = merge(cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::X, Vec3::new(2.0, 1.0, 1.0)));
+    assert!(analyse(&halves).is_closed());
+    let mut one_wall = halves.clone();
+    let wall = |t: &[u32; 3]| t.iter().all(|&i| i < 8 && halves.0[i as usize].x == 1.0);
+    one_wall.1.retain(|t| !wall(t));
+    assert!(!analyse(&one_wall).is_closed());
     // Two that touch at a corner are two solids.
     let corner = analyse(&merge(cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::ONE, 2.0 * Vec3::ONE)));
     assert!(corner.is_closed() && corner.components.len() == 2);

@@ -279,6 +279,11 @@ impl Lights {
         if pdf > 0.0 { pdf * self.choice(anchor).groups.probability(ENVIRONMENT) } else { 0.0 }
     }
 
+    /// Instance and triangle of an emitter.
+    pub fn emitter_triangle(&self, emitter: EmitterId) -> Option<(u32, u32)> {
+        self.emitters.get(emitter.0 as usize).map(|e| (e.source.instance, e.source.triangle))
+    }
+
     /// The pdf that [`Self::sample`] at the same point and normal has for the direction to `position`, a point of the
     /// emitter.
     #[inline]

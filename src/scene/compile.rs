@@ -178,7 +178,7 @@ impl Scene {
         triangle: u32,
         material: &MaterialDescription,
     ) -> Option<EmissiveTriangle> {
-        let corner = |u, v| Surface::new(self, &Hit { t: 0.0, instance, triangle, u, v });
+        let corner = |u, v| Surface::new(self, &Hit::at(instance, triangle, u, v));
         let surfaces = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
         let vertices = surfaces.map(|s| s.position);
         let area = 0.5 * (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]).length();

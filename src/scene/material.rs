@@ -94,6 +94,12 @@ impl Scene {
         shading.base_color * ((1.0 - shading.metallic) * shading.transmission)
     }
 
+    /// Whether no part of a boundary is opaque.
+    pub fn transmits_all(&self, surface: &Surface) -> bool {
+        let shading = Shading::new(self, surface);
+        shading.metallic <= 0.0 && shading.transmission >= 1.0
+    }
+
     /// Whether a boundary between equal indices does nothing at all to light.
     pub fn is_clear(&self, surface: &Surface) -> bool {
         self.straight_transmission(surface) == Vec3::ONE

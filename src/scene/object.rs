@@ -1,7 +1,7 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
-use super::{AlphaMode, MediumDescription, MeshDescription, PunctualKind, Scene};
-use crate::geometry::{Aabb, DistanceBound, MeshGeometry, Topology};
+use super::{AlphaMode, MediumDescription, MeshDescription, PunctualKind, Scene, Surface};
+use crate::geometry::{Aabb, DistanceBound, MeshGeometry, NO_COMPONENT, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
@@ -11,6 +11,9 @@ pub const NEARLY_SMOOTH: f32 = 0.02;
 
 /// Least of [`Object::returned`] in a channel: even black media are looked into now and then.
 const LEAST_RETURNED: f32 = 0.05;
+
+/// Room between objects that touch, relative to their coordinates: sixteen roundings.
+const TOUCHING: f32 = 1.0 / (1_u32 << 20) as f32;
 
 /// What a sample of a pixel costs beside its walk, in scattering events. Measured: four times as much is no better.
 const REST_OF_A_SAMPLE: f32 = 64.0;
@@ -77,7 +80,10 @@ impl Scene {
             let bounds = self.instance_bounds(instance);
             let topology = self.topologies[self.description.instances[instance as usize].mesh].as_ref();
             let closed = topology.is_some_and(Topology::is_closed);
-            let in_parts = closed && topology.is_some_and(|t| t.components.len() > 1);
+            let in_parts = closed
+                && topology.is_some_and(|t| {
+                    t.components.len() > 1 || t.components.iter().any(|c| c.non_manifold_edges > 0)
+                });
             let intruders = self.intruders(instance, &bounds);
             let overlapped =
                 intruders.iter().any(|i| holds_medium[self.description.instances[i.instance as usize].mesh]);
@@ -124,6 +130,13 @@ impl Scene {
                 distance,
             };
         }
+    }
+
+    /// Whether the triangle of a surface is another one's repetition, which does not count for what is inside.
+    pub fn is_repetition(&self, surface: &Surface) -> bool {
+        let mesh = self.description.instances[surface.instance as usize].mesh;
+        let topology = self.topologies[mesh].as_ref();
+        topology.is_some_and(|t| t.component_of[surface.triangle as usize] == NO_COMPONENT)
     }
 
     /// [`Object::returned`] of an instance.
@@ -193,8 +206,9 @@ impl Scene {
         bounds
     }
 
-    /// The other instances of which a triangle reaches into `bounds`.
+    /// The other instances of which a triangle reaches into `bounds`, or touches them up to rounding.
     fn intruders(&self, instance: u32, bounds: &Aabb) -> Vec<Intruder> {
+        let bounds = &touched(bounds);
         let others = (0..self.description.instances.len() as u32).filter(|&other| other != instance);
         let near = others.filter(|&other| {
             let b = self.instance_bounds(other);
@@ -206,10 +220,16 @@ impl Scene {
                 .map(|t| Aabb::from_points(&mesh.triangle(t).map(|p| transform.point(p))))
                 .filter(|b| b.min.cmple(bounds.max).all() && b.max.cmpge(bounds.min).all());
             let within = boxes.fold(Aabb::EMPTY, Aabb::union);
-            (!within.is_empty()).then_some(Intruder { instance: other, bounds: within })
+            (!within.is_empty()).then(|| Intruder { instance: other, bounds: touched(&within) })
         })
         .collect()
     }
+}
+
+/// A box with room for what only touches it, up to rounding.
+fn touched(bounds: &Aabb) -> Aabb {
+    let room = TOUCHING * bounds.min.abs().max(bounds.max.abs()).max_element();
+    Aabb { min: bounds.min - room, max: bounds.max + room }
 }
 
 fn volume(mesh: &MeshDescription) -> f64 {

@@ -52,6 +52,12 @@ impl Surface {
         surface
     }
 
+    /// Takes the back for the front.
+    pub fn turn(&mut self) {
+        self.geometric_normal = -self.geometric_normal;
+        self.normal = -self.normal;
+    }
+
     fn interpolate<T, V>(&self, triangle: [u32; 3], values: &[T], get: impl Fn(&T) -> V) -> V
     where
         V: std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,

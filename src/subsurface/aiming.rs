@@ -184,7 +184,7 @@ impl<'a> Aiming<'a> {
         let (direction, pdf) = connector.draw(self.transform.point(event.p), &mut self.aim, sampler)?;
         let local = self.transform.inverse_direction(direction);
         let hit = self.mesh.intersect(&Ray { origin: event.p, direction: local, t_max: f32::INFINITY })?;
-        if self.intruders.intersect(event.p, None, local, hit.t).is_some() {
+        if hit.crowded || self.intruders.intersect(event.p, None, local, hit.t + hit.band).is_some() {
             return None;
         }
         let phase = c.phase.eval_directions(event.incoming, local);

@@ -40,10 +40,12 @@ impl<'a> Intruders<'a> {
             }
             let ray = Ray { origin, direction, t_max };
             if let Some(hit) = self.scene.geometry.intersect_instance(other.instance, &ray) {
-                t_max = hit.t;
+                let hit = hit.closer(first);
+                t_max = t_max.min(hit.t + hit.band);
                 first = Some(hit);
             }
         }
-        first.map(|hit| Hit { t: self.transform.inverse_length(hit.t), ..hit })
+        let local = |length: f32| self.transform.inverse_length(length);
+        first.map(|hit| Hit { t: local(hit.t), band: local(hit.band), ..hit })
     }
 }

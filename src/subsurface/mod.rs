@@ -80,8 +80,7 @@ impl Flight<'_> {
     /// The point of the object's boundary that the path has just come through; `None` where it begins elsewhere.
     pub fn entry(&self, head: &PathHead) -> Option<Hit> {
         let start = head.start.filter(|s| s.instance == self.enclosure.instance)?;
-        let Start { instance, triangle, barycentric } = start;
-        Some(Hit { t: 0.0, instance, triangle, u: barycentric.x, v: barycentric.y })
+        Some(start.hit())
     }
 
     /// The coefficients of each channel, before textures.
@@ -160,6 +159,19 @@ pub struct Start {
     pub triangle: u32,
     /// Barycentric coordinates of vertices 1 and 2.
     pub barycentric: glam::Vec2,
+}
+
+impl Start {
+    /// The point as a hit of no ray.
+    pub fn hit(&self) -> Hit {
+        Hit::at(self.instance, self.triangle, self.barycentric.x, self.barycentric.y)
+    }
+
+    /// The point of a surface.
+    pub fn of(surface: &Surface) -> Self {
+        let &Surface { instance, triangle, barycentric, .. } = surface;
+        Self { instance, triangle, barycentric }
+    }
 }
 
 /// How a flight ended.

@@ -31,7 +31,7 @@ use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::sphere_jumps::{Jumping, SphereJumps};
-use super::{Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
+use super::{Aimed, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::{HenyeyGreenstein, Medium};
 use crate::sampling::{Sampler, SmallRng, fast_math};
@@ -226,20 +226,27 @@ fn walk_steered<S: Steering>(
             let (flight, scattered) = draws.event(d);
             next_flight = flight;
             let turned = stretch.direction(sampler.rng()).unwrap_or(scattered);
-            let intruder = intruders.intersect(p, outset.take(), d, t);
-            let t_max = intruder.as_ref().map_or(t, |hit| hit.t);
+            let mut intruder = intruders.intersect(p, outset.take(), d, t);
+            // The boundary may be in the same place as what is met before it.
+            let t_max = intruder.as_ref().map_or(t, |hit| hit.t + hit.band);
             if t >= clear {
                 let stays;
                 (clear, stays) = distance.bound_ahead(mesh, p, d * t);
                 if t >= clear && !stays {
-                    if let Some(hit) = mesh.intersect(&Ray { origin: p, direction: d, t_max }) {
+                    let boundary = mesh.intersect(&Ray { origin: p, direction: d, t_max });
+                    let (boundary, inside) = first_of(boundary, intruder);
+                    intruder = inside;
+                    if let Some(hit) = boundary {
+                        let mut aimed = Aimed::default();
                         if at_events {
-                            head.aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
+                            aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
                         } else if at_arrival && head.events > first {
                             let (event, way) =
                                 (Event { p, clear, incoming: before, beta }, (collisions, length));
-                            head.aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
+                            aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
                         }
+                        // Nothing is aimed through what is in one place with something else.
+                        head.aimed = if hit.crowded { Aimed::default() } else { aimed };
                         p += d * hit.t;
                         beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
                         break 'walk Arrival::Surface(placed(&hit, instance, transform.scale));
@@ -258,7 +265,8 @@ fn walk_steered<S: Steering>(
                 }
                 p += d * hit.t;
                 beta = stretch.weigh(c, beta, Way { collisions, length: length + hit.t, p }, d);
-                break 'walk Arrival::Surface(Hit { t: hit.t * transform.scale, ..hit });
+                let (t, band) = (hit.t * transform.scale, hit.band * transform.scale);
+                break 'walk Arrival::Surface(Hit { t, band, ..hit });
             }
             p += d * t;
             length += t;
@@ -306,6 +314,18 @@ fn walk_steered<S: Steering>(
     arrival
 }
 
+/// Of what a flight meets, of its object's boundary and inside of it, what comes first; crowded where they are in one place.
+#[inline]
+fn first_of(boundary: Option<MeshHit>, inside: Option<Hit>) -> (Option<MeshHit>, Option<Hit>) {
+    let (Some(a), Some(b)) = (&boundary, &inside) else { return (boundary, inside) };
+    let together = (a.t - b.t).abs() <= a.band.max(b.band);
+    if a.t <= b.t {
+        (boundary.map(|a| MeshHit { crowded: a.crowded || together, ..a }), None)
+    } else {
+        (None, inside.map(|b| Hit { crowded: b.crowded || together, ..b }))
+    }
+}
+
 /// Guides walks from `p` towards the strongest light that directions can be aimed at.
 fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
     if flight.connection != Connection::Boundary {
@@ -324,7 +344,8 @@ fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
 
 /// A hit of an instance's mesh as one of the scene.
 pub(super) fn placed(hit: &MeshHit, instance: u32, scale: f32) -> Hit {
-    Hit { t: hit.t * scale, instance, triangle: hit.triangle, u: hit.u, v: hit.v }
+    let &MeshHit { t, triangle, u, v, band, crowded } = hit;
+    Hit { t: t * scale, instance, triangle, u, v, band: band * scale, crowded }
 }
 
 /// The walk among whatever else is inside, in world space.

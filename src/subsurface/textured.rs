@@ -136,6 +136,7 @@ pub(super) fn propagate(
         {
             if let Some(aiming) = &mut aiming
                 && hit.instance == flight.enclosure.instance
+                && !hit.crowded
             {
                 head.aimed = aiming.aimed(head.direction, hit.t, connector);
             }
@@ -262,7 +263,8 @@ impl Aiming {
         let Some((direction, pdf)) = connector.draw(self.point, &mut self.aim, sampler) else { return };
         let ray = Ray { origin: self.point, direction, t_max: f32::INFINITY };
         let hit = intersect(flight, flight.object.isolated, &ray);
-        let Some(hit) = hit.filter(|h| h.instance == flight.enclosure.instance) else { return };
+        let own = |h: &Hit| h.instance == flight.enclosure.instance && !h.crowded;
+        let Some(hit) = hit.filter(own) else { return };
         let here = textured.last;
         let transmittance = textured.transmittance(self.point, direction, hit.t, sampler.rng());
         textured.last = here;

@@ -1,21 +1,16 @@
-//! Next-event estimation: connecting a vertex to a light, and what the connection loses on its way.
+//! Next-event estimation: connecting a vertex to a light.
 
 use super::dispersion::Drawn;
-use super::media::{Crossing, Enclosure, MediumStack};
+use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::place::InPlace;
 use super::weight::Techniques;
-use crate::geometry::{Ray, offset_origin};
 use crate::light::Anchor;
 use crate::optics::Bsdf;
-use crate::optics::boundary::MATCHED_INDEX;
 use crate::sampling::{Sampler, orthonormal_basis};
-use crate::scene::{AlphaMode, Surface};
-use crate::subsurface::{Aimed, LightNumbers, TexturedMedium};
+use crate::scene::Surface;
+use crate::subsurface::{Aimed, LightNumbers};
 use glam::{Mat3, Vec3};
-
-/// Shadow rays end this fraction before the light, so that they do not meet the emitter itself. Relative, hence free
-/// of scale.
-const SHADOW_SHORTENING: f32 = 1e-4;
 
 /// A surface vertex ready for shading: frame, scattering function, surrounding.
 pub(super) struct Shaded<'a> {
@@ -29,6 +24,12 @@ pub(super) struct Shaded<'a> {
     pub front: bool,
     /// The object whose boundary this is, if it bounds a medium.
     pub enclosure: Option<Enclosure>,
+    /// The objects around the other side.
+    pub beyond: MediumStack,
+    /// What else is in the same place.
+    pub place: Option<&'a InPlace>,
+    /// Squared index of the path's wavelength over that of the medium, each inside over outside.
+    pub dispersed: f32,
     /// For choosing lights.
     pub anchor: Anchor,
     /// How many are chosen.
@@ -74,6 +75,12 @@ impl Shaded<'_> {
 }
 
 impl Shaded<'_> {
+    /// What to multiply light that has crossed with, so that its scale is that of the media's nominal indices, which is what
+    /// follows from where a path is.
+    pub fn undispersed(&self) -> f32 {
+        if self.front { self.dispersed } else { 1.0 / self.dispersed }
+    }
+
     /// The frame that [`Shaded::orient`] sets.
     pub fn frame_of(surface: &Surface, wo: Vec3, normal: Vec3, front: bool, see_through: bool) -> Mat3 {
         let consistent = (wo.dot(normal) > 0.0) == front && wo.dot(normal) != 0.0;
@@ -142,104 +149,16 @@ impl PathTracer<'_> {
         if contribution.max_element() <= 0.0 {
             return Vec3::ZERO;
         }
-        let mut stack = *stack;
-        if let Some(e) = s.enclosure
-            && to_front != s.front
-        {
-            if s.front { stack.enter(e) } else { stack.leave(e.instance) }
-        }
-        let n = s.surface.geometric_normal;
-        let origin = offset_origin(s.surface.position, s.surface.error, n, light.direction);
-        contribution * self.transmittance(origin, light.direction, light.distance, stack, sampler)
-    }
-
-    /// The fraction of light that survives a straight segment: zero where something opaque or refracting is in the
-    /// way, otherwise what alpha, index-matched boundaries and media leave.
-    pub(super) fn transmittance(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        distance: f32,
-        mut stack: MediumStack,
-        sampler: &mut Sampler,
-    ) -> Vec3 {
-        let t_max = distance * (1.0 - SHADOW_SHORTENING);
-        self.count_ray();
-        if !self.scene.has_see_through && stack.is_empty() {
-            let blocked = self.scene.geometry.occluded(&Ray { origin, direction, t_max });
-            return if blocked { Vec3::ZERO } else { Vec3::ONE };
-        }
-        let (mut result, mut origin, mut remaining) = (Vec3::ONE, origin, t_max);
-        for _ in 0..self.options.max_depth {
-            let hit = self.scene.geometry.intersect(&Ray { origin, direction, t_max: remaining });
-            let length = hit.as_ref().map_or(remaining, |h| h.t);
-            result *= self.segment_transmittance(origin, direction, length, &stack, sampler);
-            let Some(hit) = hit else { return result };
-            let surface = Surface::new(self.scene, &hit);
-            result *= self.surface_transmittance(&surface, direction, &mut stack);
-            if result.max_element() <= 0.0 {
-                return Vec3::ZERO;
-            }
-            let n = surface.geometric_normal;
-            let next = offset_origin(surface.position, surface.error, n, direction);
-            remaining -= length;
-            origin = next;
-            if remaining <= 0.0 {
-                return result;
-            }
-            self.count_ray();
-        }
-        Vec3::ZERO
-    }
-
-    /// What a segment inside of the current medium lets through.
-    pub(super) fn segment_transmittance(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        length: f32,
-        stack: &MediumStack,
-        sampler: &mut Sampler,
-    ) -> Vec3 {
-        let Some(e) = stack.current() else { return Vec3::ONE };
-        let Some(medium) = self.scene.medium(e.material) else { return Vec3::ONE };
-        let description = self.scene.material(e.material).medium.as_ref();
-        if description.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
-            && length.is_finite()
-        {
-            let mut textured = TexturedMedium::new(self.scene, e);
-            return textured.transmittance(origin, direction, length, sampler.rng());
-        }
-        // 0 · ∞ is 0 here: a clear channel loses nothing over any distance.
-        Vec3::select(medium.sigma_t.cmpgt(Vec3::ZERO), (-medium.sigma_t * length).exp(), Vec3::ONE)
-    }
-
-    /// What a surface lets through in a straight line, with the stack after it.
-    fn surface_transmittance(&self, surface: &Surface, direction: Vec3, stack: &mut MediumStack) -> Vec3 {
-        let material = self.scene.material(surface.material);
-        let alpha = self.scene.alpha(surface);
-        let covered = match material.alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask(cutoff) => f32::from(alpha >= cutoff),
-            AlphaMode::Blend => alpha,
+        let transmitted = s.enclosure.is_some() && to_front != s.front;
+        let (mut stack, scale) = if transmitted { (s.beyond, s.undispersed()) } else { (*stack, 1.0) };
+        let (ray, through) = match s.place {
+            Some(place) => self.shadow_ray_in(place, &light, &mut stack),
+            None => (self.shadow_ray_from(s.surface, &light), Vec3::ONE),
         };
-        let mut through = Vec3::ZERO;
-        if let Some(enclosure) = self.enclosure_of(surface)
-            && covered > 0.0
-        {
-            let entering = direction.dot(surface.geometric_normal) < 0.0;
-            if !entering && !stack.contains(enclosure.instance) {
-                stack.enter(enclosure);
-            }
-            let (crossing, eta) = self.interface(stack, enclosure, entering);
-            if crossing == Crossing::Hidden {
-                through = Vec3::ONE;
-            } else if (eta - 1.0).abs() < MATCHED_INDEX {
-                through = self.scene.straight_transmission(surface);
-            }
-            if entering { stack.enter(enclosure) } else { stack.leave(enclosure.instance) }
+        if through.max_element() <= 0.0 {
+            return Vec3::ZERO;
         }
-        through * covered + Vec3::splat(1.0 - covered)
+        contribution * through * scale * self.transmittance(&ray, stack, sampler)
     }
 
     /// Whether light comes into a medium there.
@@ -255,21 +174,5 @@ impl PathTracer<'_> {
             material: surface.material,
             rank: self.scene.objects[surface.instance as usize].rank,
         })
-    }
-
-    /// What the boundary of `enclosure` is to a path with this stack, and its index inside over outside.
-    pub(super) fn interface(
-        &self,
-        stack: &MediumStack,
-        enclosure: Enclosure,
-        entering: bool,
-    ) -> (Crossing, f32) {
-        let crossing = stack.crossing(enclosure, entering);
-        let ior = |e: Enclosure| self.scene.medium(e.material).map_or(1.0, |m| m.ior);
-        let inside = if entering { ior(enclosure) } else { stack.current().map_or(1.0, ior) };
-        match crossing {
-            Crossing::Hidden => (crossing, 1.0),
-            Crossing::Interface { outside } => (crossing, inside / outside.map_or(1.0, ior)),
-        }
     }
 }

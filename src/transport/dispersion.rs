@@ -1,7 +1,8 @@
 //! Dispersion: a path draws one wavelength where a dispersive boundary first refracts it ([`crate::optics::spectrum`]), and
 //! keeps it. In media that scatter it would be forgotten anyway, so there all refract alike. What a smooth boundary reflects goes the same way for all wavelengths, so it keeps the path's three colours.
 
-use super::media::{Crossing, Enclosure};
+use super::interface::Contrast;
+use super::media::Enclosure;
 use super::path::PathTracer;
 use super::state::Path;
 use crate::optics::boundary_tables::MIN_ROUGH_ALPHA;
@@ -25,12 +26,10 @@ impl PathTracer<'_> {
     pub(super) fn disperse(
         &self,
         path: &mut Path,
-        enclosure: Enclosure,
-        front: bool,
+        contrast: &Contrast,
         sampler: &mut Sampler,
     ) -> Option<(f32, Option<Drawn>)> {
-        let Crossing::Interface { outside } = path.stack.crossing(enclosure, front) else { return None };
-        let inside = if front { Some(enclosure) } else { path.stack.current() };
+        let &Contrast { enclosure, outside, .. } = contrast;
         let side = |e: Option<Enclosure>| {
             let medium = e.and_then(|e| self.scene.medium(e.material));
             let clear = medium.is_some_and(|m| m.sigma_s.max_element() <= 0.0);
@@ -38,7 +37,7 @@ impl PathTracer<'_> {
                 e.filter(|_| clear).map_or(0.0, |e| self.scene.material(e.material).dispersion());
             (medium.map_or(1.0, |m| m.ior), dispersion)
         };
-        let sides = [side(inside), side(outside)];
+        let sides = [side(Some(enclosure)), side(outside)];
         if sides[0].1 == 0.0 && sides[1].1 == 0.0 {
             return None;
         }

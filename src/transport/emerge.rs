@@ -2,8 +2,9 @@
 //! boundary of the object where directions can be aimed.
 
 use super::direct::{Reached, Shaded};
-use super::media::{Crossing, Enclosure, MediumStack};
+use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::place::InPlace;
 use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
@@ -56,13 +57,15 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 (scene.lights.environment_radiance(direction), density)
             }
             Some(hit) => {
-                let surface = Surface::new(scene, &hit);
+                let top = || InPlace::new(scene, &hit, direction, false)?.member()?.first().copied();
+                let alone = Surface::new(scene, &hit);
+                let surface = if hit.crowded { top().unwrap_or(alone) } else { alone };
                 let material = scene.material(surface.material);
                 let front = direction.dot(surface.geometric_normal) < 0.0;
                 if material.unlit || !(front || material.double_sided) {
                     return Vec3::ZERO;
                 }
-                let id = scene.lights.emitter_id(hit.instance, hit.triangle);
+                let id = scene.lights.emitter_id(surface.instance, surface.triangle);
                 let pdf = |id| scene.lights.emitter_pdf_at(id, from, &shaded.anchor, surface.position);
                 (scene.emission(&surface, -direction), id.map_or(0.0, pdf))
             }
@@ -91,9 +94,8 @@ impl Connector for FlightLights<'_, '_> {
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
         let contribution = throughput * light.radiance * (f * weight / light.pdf);
         if contribution.max_element() > 0.0 {
-            let (direction, distance) = (light.direction, light.distance);
-            self.radiance +=
-                contribution * self.tracer.transmittance(point, direction, distance, self.stack, sampler);
+            let ray = self.tracer.shadow_ray(point, &light);
+            self.radiance += contribution * self.tracer.transmittance(&ray, self.stack, sampler);
         }
     }
 
@@ -134,10 +136,10 @@ impl Connector for FlightLights<'_, '_> {
         }
         let mut stack = self.stack;
         stack.leave(self.enclosure.instance);
-        let n = surface.geometric_normal;
-        let origin = offset_origin(surface.position, surface.error, n, light.direction);
-        let through = self.tracer.transmittance(origin, light.direction, distance, stack, sampler);
-        self.radiance += contribution * through;
+        let mut surface = *surface;
+        self.tracer.look_around(&mut stack, self.enclosure, &mut surface);
+        let ray = self.tracer.shadow_ray_from(&surface, &LightSample { distance, ..*light });
+        self.radiance += contribution * self.tracer.transmittance(&ray, stack, sampler);
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -174,16 +176,13 @@ impl Connector for FlightLights<'_, '_> {
     ) {
         let tracer = self.tracer;
         let surface = Surface::new(tracer.scene, hit);
-        let Some(enclosure) = tracer.enclosure_of(&surface) else { return };
-        if incoming.dot(surface.geometric_normal) <= 0.0 {
+        if hit.crowded || !tracer.bounds_medium(&surface) || incoming.dot(surface.geometric_normal) <= 0.0 {
             return;
         }
-        let (crossing, eta) = tracer.interface(&self.stack, enclosure, false);
-        if crossing == Crossing::Hidden {
-            return;
-        }
+        let interface = tracer.interface(&self.stack, &[surface], incoming);
+        let Some(contrast) = interface.contrast.filter(|c| !c.entering) else { return };
         let shading = Shading::new(tracer.scene, &surface);
-        let bsdf = shading.bsdf(eta, true, tracer.options.microfacet);
+        let bsdf = shading.bsdf(contrast.eta, true, tracer.options.microfacet);
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             return;
         }
@@ -193,7 +192,10 @@ impl Connector for FlightLights<'_, '_> {
             frame: Mat3::IDENTITY,
             wo: Vec3::Z,
             front: false,
-            enclosure: Some(enclosure),
+            enclosure: Some(contrast.enclosure),
+            beyond: interface.beyond,
+            place: None,
+            dispersed: 1.0,
             anchor: Shaded::NOWHERE,
             lights: 1,
             lit_inside: false,

@@ -57,8 +57,8 @@ impl PathTracer<'_> {
             && light.direction.y > 0.0
         {
             without = light.radiance * (light.direction.y / light.pdf);
-            let origin = leave(light.direction);
-            with = without * self.transmittance(origin, light.direction, light.distance, path.stack, sampler);
+            let ray = self.shadow_ray(leave(light.direction), &light);
+            with = without * self.transmittance(&ray, path.stack, sampler);
         }
         let local = warp::cosine_hemisphere(sampler.next_2d());
         let direction = Vec3::new(local.x, local.z, -local.y);
@@ -73,6 +73,7 @@ impl PathTracer<'_> {
                 aimed: Aimed::default(),
             },
             stack: path.stack,
+            place: None,
             vertex: Vertex {
                 point,
                 anchor,

@@ -45,10 +45,9 @@ impl PathTracer<'_> {
         }
         path.head.throughput *= sample.weight;
         path.head.direction = wi;
-        if let Some(e) = shaded.enclosure
-            && sample.transmitted
-        {
-            path.cross(e, shaded.front);
+        if shaded.enclosure.is_some() && sample.transmitted {
+            path.head.throughput *= shaded.undispersed();
+            path.stack = shaded.beyond;
         }
         // Through a boundary between equal indices light goes straight on, and so do shadow rays: what is found beyond it
         // is still weighed with the vertex before.
@@ -63,13 +62,14 @@ impl PathTracer<'_> {
             };
         }
         path.leave_surface(shaded.surface);
+        path.step_in_place(false);
         path.bounces += 1;
         self.survives(path, sampler)
     }
 
     /// Russian roulette by throughput, in the radiance scale of vacuum.
     fn survives(&self, path: &mut Path, sampler: &mut Sampler) -> bool {
-        let ior = path.stack.current().and_then(|e| self.scene.medium(e.material)).map_or(1.0, |m| m.ior);
+        let ior = self.ior_in(&path.stack);
         let largest = path.head.throughput.max_element() * ior * ior;
         if largest <= 0.0 {
             return false;

@@ -4,6 +4,9 @@
 //! index), so that of all objects around a point the one with the highest rank fills it, whichever way the path came
 //! (Schmidt & Budge 2002, "Simple Nested Dielectrics in Ray Traced Images", with the tie broken so that an object
 //! inside another wins). A boundary between two objects that do not fill the point is not there.
+//!
+//! An object is around a point if its winding number about it is not zero. Crossing a triangle from its front adds one,
+//! from its back takes one away, so it does not matter which way a body is wound, or how often it overlaps itself.
 
 /// One object around the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,25 +25,16 @@ pub struct Enclosure {
 #[derive(Clone, Copy, Debug)]
 pub struct MediumStack {
     entries: [Enclosure; Self::CAPACITY],
+    /// Of each entry, never zero.
+    windings: [i8; Self::CAPACITY],
     len: u8,
-}
-
-/// What crossing a boundary means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Crossing {
-    /// Both sides hold the same medium because another object fills them: the surface is not there.
-    Hidden,
-    /// A real interface between the medium outside of the object (`None`: vacuum) and the object.
-    Interface {
-        /// What is on the outer side.
-        outside: Option<Enclosure>,
-    },
 }
 
 impl Default for MediumStack {
     fn default() -> Self {
         Self {
             entries: [Enclosure { instance: u32::MAX, material: u32::MAX, rank: 0 }; Self::CAPACITY],
+            windings: [0; Self::CAPACITY],
             len: 0,
         }
     }
@@ -68,50 +62,58 @@ impl MediumStack {
         self.len.into()
     }
 
-    /// Whether `instance` is around the path.
-    pub fn contains(&self, instance: u32) -> bool {
-        self.entries[..self.len as usize].iter().any(|e| e.instance == instance)
+    /// How often `instance` winds about the path; 0: it is not around it.
+    #[inline]
+    pub fn winding(&self, instance: u32) -> i32 {
+        self.position(instance).map_or(0, |at| self.windings[at].into())
     }
 
-    /// Adds an object around the path.
-    pub fn enter(&mut self, enclosure: Enclosure) {
+    #[inline]
+    fn position(&self, instance: u32) -> Option<usize> {
+        self.entries[..self.len as usize].iter().rposition(|e| e.instance == instance)
+    }
+
+    /// Changes how often an object winds about the path, as crossing its boundary does.
+    pub fn wind(&mut self, enclosure: Enclosure, change: i32) {
+        self.set(enclosure, self.winding(enclosure.instance) + change);
+    }
+
+    /// Sets how often an object winds about the path.
+    pub fn set(&mut self, enclosure: Enclosure, winding: i32) {
+        let narrow = winding.clamp(i8::MIN.into(), i8::MAX.into()) as i8;
+        match self.position(enclosure.instance) {
+            Some(_) if winding == 0 => self.leave(enclosure.instance),
+            Some(at) => self.windings[at] = narrow,
+            None if winding != 0 => self.insert(enclosure, narrow),
+            None => {}
+        }
+    }
+
+    fn insert(&mut self, enclosure: Enclosure, winding: i8) {
         let mut n = self.len as usize;
         if n == Self::CAPACITY {
             if enclosure.rank <= self.entries[0].rank {
                 return;
             }
             self.entries.copy_within(1.., 0);
+            self.windings.copy_within(1.., 0);
             n -= 1;
         }
         let at = self.entries[..n].partition_point(|e| e.rank <= enclosure.rank);
         self.entries.copy_within(at..n, at + 1);
+        self.windings.copy_within(at..n, at + 1);
         self.entries[at] = enclosure;
+        self.windings[at] = winding;
         self.len = n as u8 + 1;
     }
 
-    /// Removes one entry of `instance`.
+    /// Removes an object, however often it winds about the path.
     pub fn leave(&mut self, instance: u32) {
         let n = self.len as usize;
-        if let Some(at) = self.entries[..n].iter().rposition(|e| e.instance == instance) {
+        if let Some(at) = self.position(instance) {
             self.entries.copy_within(at + 1..n, at);
+            self.windings.copy_within(at + 1..n, at);
             self.len = n as u8 - 1;
-        }
-    }
-
-    /// What the boundary of `enclosure` is to a path with this stack that comes from outside (`entering`) or inside.
-    pub fn crossing(&self, enclosure: Enclosure, entering: bool) -> Crossing {
-        if entering {
-            match self.current() {
-                Some(top) if top.rank >= enclosure.rank => Crossing::Hidden,
-                outside => Crossing::Interface { outside },
-            }
-        } else {
-            let mut rest = *self;
-            rest.leave(enclosure.instance);
-            match rest.current() {
-                Some(top) if top.rank >= enclosure.rank => Crossing::Hidden,
-                outside => Crossing::Interface { outside },
-            }
         }
     }
 }
@@ -127,42 +129,38 @@ mod tests {
     #[test]
     fn the_overlap_belongs_to_the_higher_rank_from_either_side() {
         let (glass, milk) = (object(0, 5), object(1, 3));
-        let mut s = MediumStack::default();
-        assert_eq!(s.crossing(milk, true), Crossing::Interface { outside: None });
-        s.enter(milk);
-        assert_eq!(s.crossing(glass, true), Crossing::Interface { outside: Some(milk) });
-        s.enter(glass);
-        assert_eq!(s.current(), Some(glass));
-        assert_eq!(s.crossing(milk, false), Crossing::Hidden);
-        s.leave(1);
-        assert_eq!(s.crossing(glass, false), Crossing::Interface { outside: None });
-        s.leave(0);
-        assert!(s.is_empty());
-
-        s.enter(glass);
-        assert_eq!(s.crossing(milk, true), Crossing::Hidden);
-        s.enter(milk);
-        assert_eq!(s.current(), Some(glass));
-        assert_eq!(s.crossing(glass, false), Crossing::Interface { outside: Some(milk) });
+        for order in [[glass, milk], [milk, glass]] {
+            let mut s = MediumStack::default();
+            order.iter().for_each(|&e| s.wind(e, 1));
+            assert_eq!(s.current(), Some(glass));
+            s.wind(glass, -1);
+            assert_eq!(s.current(), Some(milk));
+            s.wind(milk, -1);
+            assert!(s.is_empty());
+        }
     }
 
     #[test]
-    fn overlapping_parts_of_one_object_have_no_boundary_between_them() {
+    fn overlapping_parts_of_one_object_are_one_and_either_winding_is_inside() {
         let head = object(7, 1);
         let mut s = MediumStack::default();
-        s.enter(head);
-        assert_eq!(s.crossing(head, true), Crossing::Hidden);
-        s.enter(head);
-        assert_eq!(s.crossing(head, false), Crossing::Hidden);
-        s.leave(7);
-        assert_eq!(s.crossing(head, false), Crossing::Interface { outside: None });
+        s.wind(head, 1);
+        s.wind(head, 1);
+        s.wind(head, -1);
+        assert_eq!((s.current(), s.winding(7)), (Some(head), 1));
+        s.wind(head, -1);
+        assert!(s.is_empty());
+        s.wind(head, -1);
+        assert_eq!((s.current(), s.winding(7)), (Some(head), -1));
+        s.wind(head, 1);
+        assert!(s.is_empty());
     }
 
     #[test]
     fn a_full_stack_keeps_the_highest_ranks() {
         let mut s = MediumStack::default();
         for i in 0..20 {
-            s.enter(object(i, i));
+            s.wind(object(i, i), 1);
         }
         assert_eq!(s.current(), Some(object(19, 19)));
         for i in (12..20).rev() {

@@ -2,12 +2,14 @@
 
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
-use super::media::Crossing;
+use super::interface::Interface;
+use super::media::{Enclosure, MediumStack};
 use super::pixel::{Caught, PixelSample};
+use super::place::InPlace;
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
-use super::surroundings::Surroundings;
-use crate::geometry::{Hit, Ray};
+use super::surroundings::{Surroundings, set_winding};
+use crate::geometry::{Hit, Ray, offset_origin};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
 use crate::sampling::Sampler;
@@ -18,6 +20,8 @@ use std::cell::Cell;
 
 /// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
 const LIGHTS_AT_EXITS: u32 = 3;
+/// Errors of a point, as often as another surface in the same place may be away from it.
+const TOUCHING: f32 = 8.0;
 /// Lights that are sampled where the camera sees an opaque surface: cheap beside the walks of a sample. Measured.
 const LIGHTS_IN_VIEW: u32 = 2;
 
@@ -65,6 +69,7 @@ impl PathTracer<'_> {
                 aimed: Aimed::default(),
             },
             stack: self.surroundings.at(self.scene, ray.origin),
+            place: None,
             vertex: Vertex::unconnected(ray.origin),
             events: 0,
             bounces: 0,
@@ -91,6 +96,15 @@ impl PathTracer<'_> {
         sampler: &mut Sampler,
     ) -> Option<Caught> {
         while path.events < self.options.max_depth {
+            if path.place.is_some() {
+                if self.meet_in_place(path, radiance, sampler) {
+                    continue;
+                }
+                if path.events >= self.options.max_depth {
+                    break;
+                }
+                return None;
+            }
             let from = path.head.position;
             let arrival = self.advance(path, radiance, sampler);
             if path.direct_view
@@ -129,18 +143,22 @@ impl PathTracer<'_> {
             return self.straight(path);
         };
         if medium.sigma_s.max_element() <= 0.0 {
-            let PathHead { position, direction, .. } = path.head;
+            let PathHead { position, direction, start, .. } = path.head;
             let arrival = self.straight(path);
             if let Arrival::Surface(hit) = &arrival {
+                let from = start.map(|s| s.hit());
+                let length = self.scene.geometry.distance_between(from.as_ref(), hit, direction);
                 path.head.throughput *=
-                    self.segment_transmittance(position, direction, hit.t, &path.stack, sampler);
+                    self.segment_transmittance(position, direction, length, &path.stack, sampler);
             }
             return arrival;
         }
         let object = &self.scene.objects[enclosure.instance as usize];
         let budget = self.options.max_depth - path.events;
         let connection = self.connection(path, object, medium);
-        let eta = self.interface(&path.stack, enclosure, false).1;
+        let mut around = path.stack;
+        around.leave(enclosure.instance);
+        let eta = medium.ior / self.ior_in(&around);
         let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection };
         path.head.events = 0;
         path.head.aimed = Aimed::default();
@@ -188,48 +206,77 @@ impl PathTracer<'_> {
 
     /// Shades a surface and chooses where the path goes on. False: it ends.
     fn meet_surface(&self, hit: &Hit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
-        let mut surface = Surface::new(self.scene, hit);
+        let surface = Surface::new(self.scene, hit);
         path.footprint.travel(surface.position.distance(path.head.position));
+        if hit.crowded {
+            path.place = InPlace::new(self.scene, hit, path.head.direction, path.direct_view);
+            if path.place.is_some() {
+                path.head.aimed = Aimed::default();
+                return self.meet_in_place(path, radiance, sampler);
+            }
+        }
+        self.meet(&[surface], path, radiance, sampler)
+    }
+
+    /// Meets a sheet, or the boundaries of media in one place. False: the path ends.
+    pub(super) fn meet(
+        &self,
+        surfaces: &[Surface],
+        path: &mut Path,
+        radiance: &mut Vec3,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let wo = -path.head.direction;
+        path.events += 1;
+        let bounds_medium = self.bounds_medium(&surfaces[0]);
+        let interface = bounds_medium.then(|| self.interface(&path.stack, surfaces, path.head.direction));
+        if let Some(interface) = &interface {
+            self.move_to(path, &interface.before);
+        }
+        let contrast = interface.as_ref().and_then(|i| i.contrast);
+        let mut surface = surfaces[contrast.map_or(0, |c| c.boundary)];
         surface.footprint = path.footprint.width;
         let material = self.scene.material(surface.material);
-        let wo = -path.head.direction;
-        let front = wo.dot(surface.geometric_normal) > 0.0;
-        let enclosure = self.enclosure_of(&surface);
-        let see_through = material.is_see_through() || enclosure.is_some();
-        path.events += 1;
+        let face = wo.dot(surface.geometric_normal) > 0.0;
+        let see_through = material.is_see_through() || bounds_medium;
 
-        let culled = path.direct_view && !front && !material.double_sided && !see_through;
+        let culled = path.direct_view && !face && !material.double_sided && !see_through;
         if culled || !self.covered(material.alpha_mode, &surface, sampler) {
-            path.pass(&surface);
-            return true;
+            return self.pass(&surface, interface.as_ref(), path);
         }
         if material.unlit {
             path.direct_view = false;
             *radiance += path.head.throughput * self.scene.base_color(&surface).truncate();
             return false;
         }
-        if material.emission != Vec3::ZERO && (front || material.double_sided) {
-            *radiance += self.emitted(&surface, path);
+        for s in surfaces {
+            let material = self.scene.material(s.material);
+            let faces = wo.dot(s.geometric_normal) > 0.0;
+            if material.emission != Vec3::ZERO && (faces || material.double_sided) {
+                *radiance += self.emitted(&Surface { footprint: surface.footprint, ..*s }, path);
+            }
         }
 
-        let mut eta = 1.0;
-        let mut drawn = None;
-        if let Some(e) = enclosure {
-            if !front && !path.stack.contains(e.instance) {
-                path.stack.enter(e);
+        let (mut eta, mut dispersed) = (1.0, 1.0);
+        let (mut front, mut enclosure, mut drawn) = (face, None, None);
+        if let Some(interface) = &interface {
+            let Some(contrast) = &interface.contrast else {
+                return self.pass(&surface, Some(interface), path);
+            };
+            front = contrast.entering;
+            if front != face {
+                // A body that is wound the other way: outside is where its triangles show their backs.
+                surface.turn();
             }
-            let (crossing, index) = self.interface(&path.stack, e, front);
-            if crossing == Crossing::Hidden
-                || ((index - 1.0).abs() < MATCHED_INDEX && self.scene.is_clear(&surface))
-            {
-                path.cross(e, front);
-                path.pass(&surface);
-                return true;
+            eta = contrast.eta;
+            if (eta - 1.0).abs() < MATCHED_INDEX && self.scene.is_clear(&surface) {
+                return self.pass(&surface, Some(interface), path);
             }
-            eta = index;
+            enclosure = Some(contrast.enclosure);
             if self.scene.has_dispersion
-                && let Some((index, wavelength)) = self.disperse(path, e, front, sampler)
+                && let Some((index, wavelength)) = self.disperse(path, contrast, sampler)
             {
+                dispersed = (index / eta) * (index / eta);
                 (eta, drawn) = (index, wavelength);
             }
         }
@@ -255,6 +302,7 @@ impl PathTracer<'_> {
             let object = &self.scene.objects[e.instance as usize];
             object.lit_inside || object.overlapped || !object.closed
         });
+        let place = path.place.clone();
         let shaded = Shaded {
             surface: &surface,
             bsdf: &bsdf,
@@ -262,6 +310,9 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front,
             enclosure,
+            beyond: interface.map_or(path.stack, |i| i.beyond),
+            place: place.as_ref(),
+            dispersed,
             anchor: Shaded::NOWHERE,
             lights: if path.bounces == 0 && enclosure.is_none() { LIGHTS_IN_VIEW } else { 1 },
             lit_inside,
@@ -274,10 +325,11 @@ impl PathTracer<'_> {
 
     /// An exit that a BSSRDF has found: the path leaves the object there.
     fn leave_below(&self, exit: Exit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
+        let Exit { mut surface, lobe } = exit;
         if let Some(e) = path.stack.current() {
             path.stack.leave(e.instance);
+            self.look_around(&mut path.stack, e, &mut surface);
         }
-        let Exit { surface, lobe } = exit;
         let bsdf = Bsdf::Exit(lobe);
         path.head.direction = -surface.normal;
         let shaded = Shaded {
@@ -287,6 +339,9 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front: true,
             enclosure: None,
+            beyond: path.stack,
+            place: None,
+            dispersed: 1.0,
             anchor: Shaded::NOWHERE,
             lights: LIGHTS_AT_EXITS,
             lit_inside: false,
@@ -324,6 +379,42 @@ impl PathTracer<'_> {
             return false;
         }
         alive
+    }
+
+    /// Goes straight on through what is not there, into what is beyond it.
+    fn pass(&self, surface: &Surface, interface: Option<&Interface>, path: &mut Path) -> bool {
+        if let Some(interface) = interface {
+            self.move_to(path, &interface.beyond);
+        }
+        path.pass(surface);
+        true
+    }
+
+    /// Tells a path where it is. L/n² stays, so the weight of radiance changes with the index.
+    fn move_to(&self, path: &mut Path, stack: &MediumStack) {
+        let ratio = self.ior_in(&path.stack) / self.ior_in(stack);
+        if ratio != 1.0 {
+            path.head.throughput *= ratio * ratio;
+        }
+        path.stack = *stack;
+    }
+
+    /// Finds out what is around an exit from an object that others overlap or touch; the way from there begins beyond their
+    /// boundaries in the same place.
+    pub(super) fn look_around(&self, stack: &mut MediumStack, left: Enclosure, exit: &mut Surface) {
+        let object = &self.scene.objects[left.instance as usize];
+        if !object.overlapped {
+            return;
+        }
+        exit.error *= TOUCHING;
+        let normal = exit.geometric_normal;
+        let outside = offset_origin(exit.position, exit.error, normal, normal);
+        for intruder in object.intruders.iter() {
+            let other = &self.scene.objects[intruder.instance as usize];
+            if other.has_medium && other.closed {
+                set_winding(self.scene, stack, intruder.instance, outside);
+            }
+        }
     }
 
     fn covered(&self, mode: AlphaMode, surface: &Surface, sampler: &mut Sampler) -> bool {

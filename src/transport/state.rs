@@ -1,7 +1,8 @@
 //! What a path remembers between events.
 
 use super::direct::Shaded;
-use super::media::{Enclosure, MediumStack};
+use super::media::MediumStack;
+use super::place::InPlace;
 use crate::geometry::offset_origin;
 use crate::light::Anchor;
 use crate::scene::{Footprint, Surface};
@@ -53,6 +54,8 @@ pub(super) struct Counters {
 pub(super) struct Path {
     pub head: PathHead,
     pub stack: MediumStack,
+    /// Where it is in one place with several surfaces, and has not left it.
+    pub place: Option<InPlace>,
     pub vertex: Vertex,
     pub events: u32,
     pub bounces: u32,
@@ -68,19 +71,12 @@ impl Path {
     /// Goes straight on through a surface that is not there.
     pub fn pass(&mut self, surface: &Surface) {
         self.leave_surface(surface);
+        self.step_in_place(true);
     }
 
     pub fn leave_surface(&mut self, surface: &Surface) {
         self.head.position =
             offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
-        self.head.start = Some(Start {
-            instance: surface.instance,
-            triangle: surface.triangle,
-            barycentric: surface.barycentric,
-        });
-    }
-
-    pub fn cross(&mut self, e: Enclosure, entering: bool) {
-        if entering { self.stack.enter(e) } else { self.stack.leave(e.instance) }
+        self.head.start = Some(Start::of(surface));
     }
 }

@@ -51,14 +51,17 @@ impl Surroundings {
 fn around(scene: &Scene, instances: impl Iterator<Item = u32>, point: Vec3) -> MediumStack {
     let mut stack = MediumStack::default();
     for instance in instances {
-        let local = scene.geometry.transform(instance).inverse_point(point);
-        if scene.geometry.mesh_of(instance).contains(local) {
-            let materials = &scene.mesh(instance).triangle_materials;
-            if let Some(&material) = materials.iter().find(|&&m| scene.medium(m).is_some()) {
-                let rank = scene.objects[instance as usize].rank;
-                stack.enter(Enclosure { instance, material, rank });
-            }
-        }
+        set_winding(scene, &mut stack, instance, point);
     }
     stack
+}
+
+/// Finds out how often an instance winds about a point.
+pub(super) fn set_winding(scene: &Scene, stack: &mut MediumStack, instance: u32, point: Vec3) {
+    let materials = &scene.mesh(instance).triangle_materials;
+    let Some(&material) = materials.iter().find(|&&m| scene.medium(m).is_some()) else { return };
+    let local = scene.geometry.transform(instance).inverse_point(point);
+    let winding = scene.geometry.mesh_of(instance).winding_number(local);
+    let rank = scene.objects[instance as usize].rank;
+    stack.set(Enclosure { instance, material, rank }, winding);
 }

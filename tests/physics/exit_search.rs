@@ -27,7 +27,7 @@ fn density_is_that_of_the_lines(scene: &Scene, from: u32, what: &str) {
     let table = TabulatedProfile::new(&BetterDipole::new(&MEDIUM)).expect("scatters");
     let radii = Radii::new([(&table, 1.0)].into_iter()).expect("weights");
     let mesh = scene.geometry.mesh_of(0);
-    let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: from, u: 0.3, v: 0.25 });
+    let at = scene.geometry.surface(&Hit::at(0, from, 0.3, 0.25));
     let search = ExitSearch::new(scene, 0, at.position, at.geometric_normal, &radii);
     let mut counts = vec![0u32; mesh.triangle_count()];
     let mut rng = SmallRng::new(9);
@@ -132,7 +132,7 @@ fn searches_integrate_profiles_over_meshes() {
     for (mesh, what) in [(icosphere(0.004, 4, false), "sphere"), (rough, "dense random mesh")] {
         let scene = scene_of(vec![mesh]);
         let geometry = scene.geometry.mesh_of(0);
-        let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: 37, u: 0.3, v: 0.3 });
+        let at = scene.geometry.surface(&Hit::at(0, 37, 0.3, 0.3));
         let exact: f64 = (0..geometry.triangle_count() as u32)
             .map(|t| {
                 let fine = geometry.triangle(t)[0].distance(at.position) < 1e-3;
@@ -197,7 +197,7 @@ fn kept_candidates_integrate_profiles_over_meshes() {
             };
             (0..geometry.triangle_count() as u32).map(of).sum::<f64>()
         });
-        let at = scene.geometry.surface(&Hit { t: 0.0, instance: 0, triangle: 37, u: 0.3, v: 0.3 });
+        let at = scene.geometry.surface(&Hit::at(0, 37, 0.3, 0.3));
         let search = ExitSearch::new(&scene, 0, at.position, at.geometric_normal, &radii);
         let values: Vec<[f64; 3]> = (0..LINES)
             .map(|sample| {

@@ -2,6 +2,7 @@
 //! invariants. Every statistical statement holds with |z| < 4 for the fixed seed.
 
 mod aiming;
+mod arrangements;
 mod determinism;
 mod directed_models;
 mod exit_search;

@@ -238,7 +238,7 @@ impl Bench<'_> {
             connection: Connection::None,
         };
         // The first vertex of the first triangle is the middle of the face.
-        let entry = Surface::new(self.scene, &Hit { t: 0.0, instance: 0, triangle: 0, u: 0.0, v: 0.0 });
+        let entry = Surface::new(self.scene, &Hit::at(0, 0, 0.0, 0.0));
         let mut head = leave(&entry, -entry.geometric_normal, Vec3::splat(1.0 / (eta * eta)));
         loop {
             let arrival = self.propagator.propagate(&flight, &mut head, sampler, &mut Everywhere { tally });

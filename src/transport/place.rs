@@ -1,0 +1,169 @@
+//! A path in a place where several surfaces coincide ([`crate::geometry::SceneGeometry::place`]).
+//!
+//! They are met one after the other, as if thin gaps were between them, from the top down:
+//!
+//! - The later in the document lies on top, from whichever side one looks: a label that was modelled after its wall covers
+//!   it. All boundaries of media are one member of this order, at the place of the last of them ([`super::interface`]).
+//! - Faces that are culled are not there where something else is: of two single-sided faces of opposite winding, the one that
+//!   shows its front is met.
+//! - Where a member does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that comes back
+//!   from below passes the same hole, so the members are composited as *over* has it.
+//! - Where a member sends the path on through it, the next one below is met, and where it sends it back, the one above.
+//! - Shadow rays that start at a member pass the others on their side of it.
+
+use super::path::PathTracer;
+use super::state::Path;
+use crate::geometry::{Hit, offset_origin};
+use crate::sampling::Sampler;
+use crate::scene::{Scene, Surface};
+use crate::subsurface::Start;
+use glam::Vec3;
+use std::rc::Rc;
+
+/// What is met as one: a sheet, or all boundaries of media of the place.
+pub(super) type Member = Vec<Surface>;
+
+/// Surfaces in one place.
+#[derive(Debug)]
+struct Place {
+    /// Top first.
+    members: Vec<Member>,
+    position: Vec3,
+    /// Bounds of how far any of the members is from the position, on each axis.
+    error: Vec3,
+    /// Unit normal on the side that the path came from.
+    up: Vec3,
+}
+
+/// A path in a place.
+#[derive(Clone, Debug)]
+pub(super) struct InPlace {
+    place: Rc<Place>,
+    /// Members that are still there.
+    left: Vec<u32>,
+    /// Which of them is met next.
+    at: usize,
+}
+
+impl InPlace {
+    /// What a ray in a unit direction meets in the place of a crowded hit; `None` where it is alone after all.
+    pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, direct_view: bool) -> Option<Self> {
+        let found = scene.geometry.place(hit, direction);
+        if found.len() < 2 {
+            return None;
+        }
+        let mut surfaces: Vec<Surface> = found.iter().map(|(hit, _)| Surface::new(scene, hit)).collect();
+        let reach = |s: &Surface, n: Vec3, p: Vec3| (s.position - p).dot(n).abs() + n.abs().dot(s.error);
+        let first = Surface::new(scene, hit);
+        let n = first.geometric_normal;
+        let own = n.abs().dot(first.error);
+        let farthest = surfaces.iter().map(|s| reach(s, n, first.position)).fold(own, f32::max);
+        let stretch = if own > 0.0 { farthest / own } else { 1.0 };
+        let place_error = first.error * stretch + (farthest - own * stretch).max(0.0) * n.abs();
+
+        let is_culled = |s: &Surface| {
+            let material = scene.material(s.material);
+            let back = direction.dot(s.geometric_normal) >= 0.0;
+            back && !material.double_sided && !material.is_see_through() && scene.medium(s.material).is_none()
+        };
+        let others = surfaces.iter().any(|s| scene.medium(s.material).is_none() && !is_culled(s));
+        if others || direct_view {
+            surfaces.retain(|s| !is_culled(s));
+        }
+        let mut members: Vec<Member> = Vec::new();
+        let mut boundaries = None;
+        for surface in surfaces.into_iter().rev() {
+            if scene.medium(surface.material).is_none() {
+                members.push(vec![surface]);
+                continue;
+            }
+            let at = *boundaries.get_or_insert_with(|| {
+                members.push(Vec::new());
+                members.len() - 1
+            });
+            // A triangle that is there twice is one boundary.
+            let repeated =
+                scene.is_repetition(&surface) && members[at].iter().any(|s| s.instance == surface.instance);
+            if !repeated {
+                members[at].push(surface);
+            }
+        }
+        let left = (0..members.len() as u32).collect();
+        let up = if n.dot(direction) < 0.0 { n } else { -n };
+        let place = Place { members, position: first.position, error: place_error, up };
+        Some(Self { place: Rc::new(place), left, at: 0 })
+    }
+
+    /// The member that is met next.
+    pub fn member(&self) -> Option<&Member> {
+        self.left.get(self.at).map(|&i| &self.place.members[i as usize])
+    }
+
+    /// All members that are left, top first.
+    pub fn members(&self) -> impl Iterator<Item = &Member> {
+        self.left.iter().map(|&i| &self.place.members[i as usize])
+    }
+
+    /// The members that a ray from the one that is met passes when it leaves the place.
+    pub fn towards(&self, direction: Vec3) -> Vec<&Member> {
+        let (above, below) = self.left.split_at(self.at.min(self.left.len()));
+        let member = |&i: &u32| &self.place.members[i as usize];
+        if direction.dot(self.place.up) > 0.0 {
+            above.iter().rev().map(member).collect()
+        } else {
+            below.iter().skip(1).map(member).collect()
+        }
+    }
+
+    /// The start of a ray that leaves the place.
+    pub fn origin(&self, direction: Vec3) -> Vec3 {
+        offset_origin(self.place.position, self.place.error, self.place.up, direction)
+    }
+
+    /// The only surface of an instance, if there is one.
+    fn surface_of(&self, instance: u32) -> Option<&Surface> {
+        let mut found = self.place.members.iter().flatten().filter(|s| s.instance == instance);
+        found.next().filter(|_| found.next().is_none())
+    }
+
+    /// Goes on to what a path meets next that the member has sent in `direction`, or has let pass. False: it leaves.
+    fn step(&mut self, direction: Vec3, passed: bool) -> bool {
+        let upwards = direction.dot(self.place.up) > 0.0;
+        if passed {
+            self.left.remove(self.at);
+        }
+        let next = match (upwards, passed) {
+            (true, _) => self.at.checked_sub(1),
+            (false, true) => Some(self.at),
+            (false, false) => Some(self.at + 1),
+        };
+        self.at = next.unwrap_or(usize::MAX);
+        self.at < self.left.len()
+    }
+}
+
+impl Path {
+    /// Goes on from the member of a place that the path has met.
+    pub fn step_in_place(&mut self, passed: bool) {
+        let Some(mut place) = self.place.take() else { return };
+        let direction = self.head.direction;
+        if place.step(direction, passed) {
+            self.place = Some(place);
+            return;
+        }
+        self.head.position = place.origin(direction);
+        let around = self.stack.current().and_then(|e| place.surface_of(e.instance));
+        self.head.start = around.map(Start::of);
+    }
+}
+
+impl PathTracer<'_> {
+    /// Meets the next member of the place that a path is in. False: the path ends.
+    pub(super) fn meet_in_place(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
+        let Some(member) = path.place.as_ref().and_then(InPlace::member).cloned() else {
+            path.step_in_place(false);
+            return true;
+        };
+        self.meet(&member, path, radiance, sampler)
+    }
+}

@@ -1,0 +1,213 @@
+//! Bodies as they stand in files: touching, equal, nested, flipped, rotated, cut in pieces. Whatever they are, light is
+//! neither made nor lost.
+
+use crate::lab::*;
+use glam::{Affine3A, EulerRot, Quat, Vec3, Vec4};
+use nephrite::sampling::SmallRng;
+use nephrite::scene::*;
+
+/// A surface of revolution about +Y: points (radius, height) of its profile from the axis back to the axis, the outside
+/// to the right of the way. Vertices on the axis are single.
+fn revolved(profile: &[(f32, f32)], sides: u32, smooth: bool) -> MeshDescription {
+    let mut mesh = MeshDescription::default();
+    let point = |(r, y): (f32, f32), k: u32| {
+        let angle = std::f32::consts::TAU * (k % sides) as f32 / sides as f32;
+        Vec3::new(r * angle.cos(), y, r * angle.sin())
+    };
+    for pair in profile.windows(2) {
+        let slope = (pair[1].1 - pair[0].1, pair[0].0 - pair[1].0);
+        for k in 0..sides {
+            let corners =
+                [point(pair[0], k), point(pair[0], k + 1), point(pair[1], k + 1), point(pair[1], k)];
+            let first = mesh.positions.len() as u32;
+            for (corner, p) in corners.iter().enumerate() {
+                mesh.positions.push(*p);
+                let angle =
+                    std::f32::consts::TAU * (k + u32::from(corner == 1 || corner == 2)) as f32 / sides as f32;
+                let outward = Vec3::new(slope.0 * angle.cos(), slope.1, slope.0 * angle.sin());
+                mesh.normals.push(outward.normalize_or(Vec3::Y));
+            }
+            if pair[0].0 > 0.0 {
+                mesh.triangles.push([first, first + 2, first + 1]);
+            }
+            if pair[1].0 > 0.0 {
+                mesh.triangles.push([first, first + 3, first + 2]);
+            }
+        }
+    }
+    if !smooth {
+        mesh.normals.clear();
+    }
+    mesh.triangle_materials = vec![0; mesh.triangles.len()];
+    mesh
+}
+
+/// A glass with a thick bottom and walls, and what fills it exactly.
+fn tumbler(sides: u32, smooth: bool) -> [MeshDescription; 2] {
+    let glass = [(0.0, -0.5), (0.4, -0.5), (0.4, 0.5), (0.34, 0.5), (0.34, -0.4), (0.0, -0.4)];
+    let drink = [(0.0, -0.4), (0.34, -0.4), (0.34, 0.2), (0.0, 0.2)];
+    [revolved(&glass, sides, smooth), revolved(&drink, sides, smooth)]
+}
+
+fn flipped(mut mesh: MeshDescription) -> MeshDescription {
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|n| *n = -*n);
+    mesh
+}
+
+fn joined(mut a: MeshDescription, b: MeshDescription) -> MeshDescription {
+    let first = a.positions.len() as u32;
+    a.positions.extend(b.positions);
+    a.triangles.extend(b.triangles.iter().map(|t| t.map(|i| i + first)));
+    a.triangle_materials.extend(b.triangle_materials);
+    if a.normals.len() == first as usize && !b.normals.is_empty() {
+        a.normals.extend(b.normals);
+    } else {
+        a.normals.clear();
+    }
+    a
+}
+
+fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
+    mesh.positions.iter_mut().for_each(|p| *p += by);
+    mesh
+}
+
+fn material(rng: &mut SmallRng, index: u32) -> MaterialDescription {
+    let ior = [1.0, 1.33, 1.5, 1.5, 2.0][(rng.f32() * 5.0) as usize];
+    let roughness = [0.0, 0.0, 0.4, 0.7][(rng.f32() * 4.0) as usize];
+    let sigma_s = [Vec3::ZERO, Vec3::ZERO, Vec3::new(1.0, 2.0, 4.0)][(rng.f32() * 3.0) as usize];
+    let mut m = subsurface(Vec3::ZERO, sigma_s, 0.0, ior, roughness);
+    if let Some(medium) = &mut m.medium {
+        medium.priority = (index % 3) as i32 - 1;
+    }
+    if rng.f32() < 0.2 {
+        m.alpha_mode = AlphaMode::Blend;
+        m.base_color.w = 0.3;
+    }
+    m
+}
+
+/// One to six bodies; what one of them does to the others is drawn, too.
+fn arrangement(seed: u64) -> SceneDescription {
+    let rng = &mut SmallRng::new(seed);
+    let count = 1 + (rng.f32() * 6.0) as u32;
+    let mut scene =
+        SceneDescription { environment: EnvironmentDescription::Constant(Vec3::ONE), ..Default::default() };
+    let whole = Quat::from_euler(EulerRot::XYZ, rng.f32() * 6.0, rng.f32() * 6.0, rng.f32() * 6.0);
+    let upright = rng.f32() < 0.4;
+    let world = Affine3A::from_scale_rotation_translation(
+        Vec3::splat(if rng.f32() < 0.5 { 1.0 } else { 0.37 }),
+        if upright { Quat::IDENTITY } else { whole },
+        Vec3::ZERO,
+    );
+    let same = rng.f32() < 0.4;
+    for k in 0..count {
+        let material_index = if same && k > 0 { 0 } else { scene.materials.len() };
+        if material_index == scene.materials.len() {
+            let m = material(rng, k);
+            scene.materials.push(m);
+        }
+        let at = Vec3::new(0.5 * (k % 2) as f32, 0.5 * (k / 2 % 2) as f32, 0.5 * (k / 4) as f32) - 0.25;
+        let kind = rng.f32();
+        let mut mesh = if kind < 0.45 {
+            moved(cuboid(Vec3::splat(0.5)), at)
+        } else if kind < 0.6 {
+            // As large as another, or inside of it.
+            moved(cuboid(Vec3::splat([0.5, 1.0, 0.25][k as usize % 3])), Vec3::splat(-0.25 * (k % 2) as f32))
+        } else if kind < 0.75 {
+            moved(icosphere(0.25, 2, false), at)
+        } else if kind < 0.85 {
+            let [glass, drink] = tumbler(12, false);
+            if rng.f32() < 0.5 { glass } else { drink }
+        } else if kind < 0.95 {
+            // Two bodies of one mesh that touch, or cross each other.
+            let other = if rng.f32() < 0.5 { Vec3::X * 0.5 } else { Vec3::splat(0.13) };
+            let second = moved(cuboid(Vec3::splat(0.5)), at + other);
+            let second = if rng.f32() < 0.5 { flipped(second) } else { second };
+            joined(moved(cuboid(Vec3::splat(0.5)), at), second)
+        } else {
+            // An open sheet.
+            let mut sheet = cuboid(Vec3::new(1.0, 1.0, 0.5));
+            sheet.triangles.truncate(2);
+            sheet.triangle_materials.truncate(2);
+            sheet
+        };
+        if rng.f32() < 0.2 {
+            mesh = flipped(mesh);
+        }
+        let open = mesh.triangles.len() == 2;
+        if open && let Some(medium) = &mut scene.materials[material_index].medium {
+            // Beyond it the medium has no end, and light that scatters there does not come back.
+            medium.sigma_s = Vec3::ZERO;
+        }
+        mesh.triangle_materials.fill(material_index as u32);
+        scene.meshes.push(mesh);
+        scene.instances.push(place(k as usize, world));
+    }
+    // A decal that is not there, in the plane of a face.
+    if rng.f32() < 0.3 {
+        let mut label = cuboid(Vec3::splat(0.5));
+        label.triangles.truncate(2);
+        label.triangle_materials = vec![scene.materials.len() as u32; 2];
+        scene.materials.push(MaterialDescription {
+            base_color: Vec4::new(0.0, 0.0, 0.0, 0.0),
+            alpha_mode: AlphaMode::Blend,
+            double_sided: true,
+            ..Default::default()
+        });
+        scene.meshes.push(moved(label, Vec3::splat(-0.25)));
+        scene.instances.push(place(scene.meshes.len() - 1, world));
+    }
+    scene
+}
+
+#[test]
+fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
+    let cases: u64 = std::env::var("ARRANGEMENTS").ok().and_then(|s| s.parse().ok()).unwrap_or(60);
+    let first: u64 = std::env::var("FIRST_ARRANGEMENT").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
+    let mut wrong = Vec::new();
+    for seed in first..first + cases {
+        let scene = Scene::build(arrangement(seed)).unwrap();
+        let direction = Vec3::new(-0.3, -0.4, -1.0);
+        let mut options = options(ortho(direction, 3.0, 0.6), 12, 12);
+        options.max_depth = 20_000;
+        let e = measure(&scene, &options);
+        for c in 0..3 {
+            if (e.mean[c] - 1.0).abs() > 4.0 * e.se[c].max(1e-5) {
+                wrong.push(format!("{seed}[{c}]: {:.5} ± {:.5}", e.mean[c], e.se[c]));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong: {}", wrong.len(), wrong.join(", "));
+}
+#[test]
+#[ignore]
+fn dbg_one() {
+    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
+    let d = arrangement(seed);
+    for (i, m) in d.meshes.iter().enumerate() {
+        let mat = &d.materials[m.triangle_materials[0] as usize];
+        println!(
+            "{i}: {} triangles, material {} rough {} alpha {:?} medium {:?}",
+            m.triangles.len(),
+            m.triangle_materials[0],
+            mat.roughness,
+            mat.alpha_mode,
+            mat.medium.as_ref().map(|m| (m.ior, m.sigma_s, m.priority))
+        );
+        let lo = m.positions.iter().fold(Vec3::INFINITY, |a, b| a.min(*b));
+        let hi = m.positions.iter().fold(Vec3::NEG_INFINITY, |a, b| a.max(*b));
+        println!("   {lo} {hi}");
+    }
+    let scene = Scene::build(d).unwrap();
+    for (i, o) in scene.objects.iter().enumerate() {
+        println!("{i} closed {} parts {} overl {} rank {}", o.closed, o.in_parts, o.overlapped, o.rank);
+    }
+    let mut options = options(ortho(Vec3::new(-0.3, -0.4, -1.0), 3.0, 0.6), 12, 12);
+    options.max_depth = 20_000;
+    let r = nephrite::transport::render(&scene, &options, &()).unwrap();
+    println!("{:?}", r.stats);
+    let e = measure(&scene, &options);
+    println!("{:?} {:?}", e.mean, e.se);
+}
