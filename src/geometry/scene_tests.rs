@@ -1,7 +1,7 @@
 //! Instances against the same triangles in world space, similarities, and slabs of every size.
 
 use super::shapes::{Random, cuboid, merge, place, sphere};
-use super::{GeometryError, MeshGeometry, Ray, SceneGeometry, Similarity, offset_origin};
+use super::{GeometryError, Hit, MeshGeometry, Ray, SceneGeometry, Similarity, offset_origin};
 use glam::{Affine3A, DVec3, Mat3, Mat3A, Quat, Vec3};
 
 #[test]
@@ -116,7 +116,8 @@ fn instances_answer_like_the_mesh_in_world_space() {
         assert_eq!(scene.intersect_instance(a.instance, &ray), Some(a));
         all.clear();
         scene.visit_hits_of(a.instance, &ray, |hit| all.push(hit));
-        assert_eq!(all.iter().min_by(|a, b| a.t.total_cmp(&b.t)), Some(&a));
+        let point = |hit: &Hit| (hit.t, hit.triangle, hit.u, hit.v);
+        assert_eq!(all.iter().min_by(|a, b| a.t.total_cmp(&b.t)).map(point), Some(point(&a)));
         // All crossings of a closed object are pairs, apart from rays through an edge.
         assert!(all.len() % 2 == usize::from(s.geometric_normal.dot(ray.direction) > 0.0) || all.len() > 1);
     }
@@ -168,4 +169,51 @@ fn meshes_far_from_their_origin_get_their_digits_back() {
         let hit = mesh.intersect(&Ray::new(mesh.bounds().center(), Vec3::X)).unwrap();
         assert!(mesh.point(hit.triangle, hit.u, hit.v).1.max_element() < 2.0e-9);
     }
+}
+
+/// A square of two triangles in the plane z = `z`.
+fn square(z: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    (corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+}
+
+#[test]
+fn what_is_in_one_place_is_found_from_any_angle_and_what_is_apart_is_not() {
+    // Three squares in one place by different transforms, one a little above; ten roundings are no gap, a hundred are.
+    let turn = Quat::from_axis_angle(Vec3::new(1.0, -2.0, 0.5).normalize(), 1.1);
+    let world = Affine3A::from_scale_rotation_translation(Vec3::splat(0.7), turn, Vec3::new(3.0, -1.0, 2.0));
+    let twice = Affine3A::from_scale(Vec3::splat(2.0));
+    let half = |(positions, triangles): (Vec<Vec3>, Vec<[u32; 3]>)| {
+        (positions.into_iter().map(|p| p * 0.5).collect(), triangles)
+    };
+    let gap = 100.0 * 3.0 / (1 << 24) as f32;
+    let meshes = vec![square(0.0), half(square(0.0)), square(gap)];
+    let placed = [(0, world), (1, world * twice), (2, world), (0, world)];
+    let scene = SceneGeometry::build(meshes, &placed).unwrap();
+    let mut random = Random(12);
+    let mut flat = 0;
+    for _ in 0..20_000 {
+        let target = Vec3::new(random.cube().x, random.cube().y, 0.0);
+        let local = random.direction();
+        if local.z.abs() < 0.02 {
+            continue;
+        }
+        flat += usize::from(local.z.abs() < 0.1);
+        let direction = world.transform_vector3(local).normalize();
+        let origin = world.transform_point3(target) - 5.0 * direction;
+        let ray = Ray { t_max: f32::INFINITY, origin, direction };
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let found: Vec<u32> = scene.place(&hit, direction).iter().map(|(h, _)| h.instance).collect();
+        let inside = |p: Vec3| p.abs().max_element() < 0.99;
+        let above = target + local / local.z * gap;
+        if hit.instance == 2 {
+            assert_eq!(found, [2], "{local}");
+        } else if inside(target) && inside(above) {
+            assert!(hit.crowded);
+            // Where the diagonal is met both triangles of a square may count.
+            assert_eq!(found, [0, 1, 3], "{local}");
+        }
+    }
+    assert!(flat > 1000);
 }

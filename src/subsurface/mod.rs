@@ -58,6 +58,9 @@ use crate::scene::{Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
 
+/// Errors of a point, as often as another surface in the same place may be away from it.
+pub(crate) const TOUCHING: f32 = 8.0;
+
 /// A flight below a surface: which object, which medium.
 pub struct Flight<'a> {
     /// The scene.
@@ -100,7 +103,7 @@ impl Flight<'_> {
         }
         let geometry = &self.scene.geometry;
         let normal = surface.geometric_normal;
-        let outside = offset_origin(surface.position, surface.error, normal, normal);
+        let outside = offset_origin(surface.position, TOUCHING * surface.error, normal, normal);
         let holds = |instance: u32| {
             geometry.mesh_of(instance).contains(geometry.transform(instance).inverse_point(outside))
         };

@@ -17,8 +17,11 @@
 
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::state::Path;
+use super::surroundings::set_winding;
 use crate::geometry::offset_origin;
 use crate::scene::Surface;
+use crate::subsurface::TOUCHING;
 use glam::Vec3;
 
 /// The boundaries of media in one place, crossed in one direction.
@@ -124,5 +127,32 @@ impl PathTracer<'_> {
     /// Index of the medium that fills the point.
     pub(super) fn ior_in(&self, stack: &MediumStack) -> f32 {
         self.ior_of(stack.current())
+    }
+
+    /// Tells a path where it is. L/n² stays, so the weight of radiance changes with the index.
+    pub(super) fn move_to(&self, path: &mut Path, stack: &MediumStack) {
+        let ratio = self.ior_in(&path.stack) / self.ior_in(stack);
+        if ratio != 1.0 {
+            path.head.throughput *= ratio * ratio;
+        }
+        path.stack = *stack;
+    }
+
+    /// Finds out what is around an exit from an object that others overlap or touch; the way from there begins beyond their
+    /// boundaries in the same place.
+    pub(super) fn look_around(&self, stack: &mut MediumStack, left: Enclosure, exit: &mut Surface) {
+        let object = &self.scene.objects[left.instance as usize];
+        if !object.overlapped {
+            return;
+        }
+        exit.error *= TOUCHING;
+        let normal = exit.geometric_normal;
+        let outside = offset_origin(exit.position, exit.error, normal, normal);
+        for intruder in object.intruders.iter() {
+            let other = &self.scene.objects[intruder.instance as usize];
+            if other.has_medium && other.closed {
+                set_winding(self.scene, stack, intruder.instance, outside);
+            }
+        }
     }
 }

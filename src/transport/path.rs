@@ -3,13 +3,12 @@
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
 use super::interface::Interface;
-use super::media::{Enclosure, MediumStack};
 use super::pixel::{Caught, PixelSample};
 use super::place::InPlace;
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
-use super::surroundings::{Surroundings, set_winding};
-use crate::geometry::{Hit, Ray, offset_origin};
+use super::surroundings::Surroundings;
+use crate::geometry::{Hit, Ray};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
 use crate::sampling::Sampler;
@@ -20,8 +19,6 @@ use std::cell::Cell;
 
 /// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
 const LIGHTS_AT_EXITS: u32 = 3;
-/// Errors of a point, as often as another surface in the same place may be away from it.
-const TOUCHING: f32 = 8.0;
 /// Lights that are sampled where the camera sees an opaque surface: cheap beside the walks of a sample. Measured.
 const LIGHTS_IN_VIEW: u32 = 2;
 
@@ -388,33 +385,6 @@ impl PathTracer<'_> {
         }
         path.pass(surface);
         true
-    }
-
-    /// Tells a path where it is. L/n² stays, so the weight of radiance changes with the index.
-    fn move_to(&self, path: &mut Path, stack: &MediumStack) {
-        let ratio = self.ior_in(&path.stack) / self.ior_in(stack);
-        if ratio != 1.0 {
-            path.head.throughput *= ratio * ratio;
-        }
-        path.stack = *stack;
-    }
-
-    /// Finds out what is around an exit from an object that others overlap or touch; the way from there begins beyond their
-    /// boundaries in the same place.
-    pub(super) fn look_around(&self, stack: &mut MediumStack, left: Enclosure, exit: &mut Surface) {
-        let object = &self.scene.objects[left.instance as usize];
-        if !object.overlapped {
-            return;
-        }
-        exit.error *= TOUCHING;
-        let normal = exit.geometric_normal;
-        let outside = offset_origin(exit.position, exit.error, normal, normal);
-        for intruder in object.intruders.iter() {
-            let other = &self.scene.objects[intruder.instance as usize];
-            if other.has_medium && other.closed {
-                set_winding(self.scene, stack, intruder.instance, outside);
-            }
-        }
     }
 
     fn covered(&self, mode: AlphaMode, surface: &Surface, sampler: &mut Sampler) -> bool {

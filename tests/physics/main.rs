@@ -13,6 +13,7 @@ mod materials;
 mod media;
 mod model_media;
 mod models;
+mod places;
 mod searchlight;
 mod seen_color;
 mod slabs;
