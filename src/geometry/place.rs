@@ -21,7 +21,7 @@ use glam::Vec3;
 /// Eight roundings: how far a plane may be from where its file means it, relative to its coordinates.
 const TOLERANCE: f32 = 1.0 / (1_u32 << 21) as f32;
 /// Barycentric coordinates below this are those of an edge, up to rounding.
-const EDGE: f32 = 1e-5;
+const EDGE: f32 = 1.0 / (1_u32 << 21) as f32;
 
 /// Cosine to the normal below which a ray's own distance is as good as one across the plane.
 const FLAT: f32 = 0.1;
@@ -46,7 +46,7 @@ impl SceneGeometry {
             let apart = there.position - here.position;
             if apart.dot(here.geometric_normal).abs() <= allowed
                 && apart.dot(there.geometric_normal).abs() <= allowed
-                && !found.iter().any(|known| is_same_crossing(known, &(other, there), direction))
+                && !found.iter().any(|known| self.is_same_crossing(known, &(other, there), direction))
             {
                 found.push((other, there));
             }
@@ -81,11 +81,24 @@ impl SceneGeometry {
         let coordinates = transform.magnitude(a.max(b).max(c));
         point.geometric_normal.abs().dot(TOLERANCE * coordinates + point.error)
     }
-}
 
-/// Whether two hits of an instance are one crossing, at the edge between two of its triangles.
-fn is_same_crossing(a: &(Hit, SurfacePoint), b: &(Hit, SurfacePoint), direction: Vec3) -> bool {
-    let at_edge = |hit: &Hit| hit.u.min(hit.v).min(1.0 - hit.u - hit.v) < EDGE;
-    let side = |point: &SurfacePoint| point.geometric_normal.dot(direction) < 0.0;
-    a.0.instance == b.0.instance && side(&a.1) == side(&b.1) && at_edge(&a.0) && at_edge(&b.0)
+    /// Whether the point of a hit lies in the plane of its triangle and `point` does, too, up to rounding.
+    pub fn is_in_plane(&self, hit: &Hit, point: Vec3) -> bool {
+        let here = self.surface(hit);
+        let allowed = 2.0 * self.plane_tolerance(hit, &here);
+        (point - here.position).dot(here.geometric_normal).abs() <= allowed
+    }
+
+    /// Whether two hits of an instance are one crossing, at the edge between triangles on both sides of it.
+    fn is_same_crossing(&self, a: &(Hit, SurfacePoint), b: &(Hit, SurfacePoint), direction: Vec3) -> bool {
+        let at_edge = |hit: &Hit| hit.u.min(hit.v).min(1.0 - hit.u - hit.v) < EDGE;
+        let side = |point: &SurfacePoint| point.geometric_normal.dot(direction) < 0.0;
+        if a.0.instance != b.0.instance || side(&a.1) != side(&b.1) || !at_edge(&a.0) || !at_edge(&b.0) {
+            return false;
+        }
+        let mesh = self.mesh_of(a.0.instance);
+        let point = mesh.point(a.0.triangle, a.0.u, a.0.v).0;
+        let middle = |hit: &Hit| mesh.point(hit.triangle, 1.0 / 3.0, 1.0 / 3.0).0 - point;
+        middle(&a.0).dot(middle(&b.0)) < 0.0
+    }
 }

@@ -113,8 +113,10 @@ impl PathTracer<'_> {
                     result *= self.passed(member, direction, &mut stack);
                 }
             } else {
-                // Beside the triangle, by rounding.
-                arrived = itself(&surface) || (emitter.is_some() && hit.t >= remaining - band);
+                // The ray may have passed beside the triangle by rounding, and met what goes on in its plane.
+                let light = whole.origin + whole.direction * distance;
+                let beside = || emitter.is_some() && hit.t >= remaining - band;
+                arrived = itself(&surface) || (beside() && geometry.is_in_plane(&hit, light));
                 if !arrived {
                     result *= self.passed(&[surface], direction, &mut stack);
                 }
