@@ -82,7 +82,10 @@ impl Prepared {
         say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
-        let bounds = description.bounds();
+        let bounds = match args.ground {
+            GroundArg::Color(_) => description.bounds(),
+            _ => None,
+        };
         let ground = set_ground(args.ground, &mut description, reporter);
         let load_seconds = watch.lap();
         interrupt::check()?;

@@ -58,14 +58,6 @@ pub struct MeshDescription {
     pub merged: Vec<[u32; 3]>,
 }
 
-impl MeshDescription {
-    /// Lower and upper corner of the bounding box of the positions; zero for a mesh without any.
-    pub fn bounds(&self) -> [Vec3; 2] {
-        let Some(&first) = self.positions.first() else { return [Vec3::ZERO; 2] };
-        self.positions.iter().fold([first; 2], |[low, high], &p| [low.min(p), high.max(p)])
-    }
-}
-
 /// The material index of a triangle that names no material.
 pub const NO_MATERIAL: u32 = u32::MAX;
 

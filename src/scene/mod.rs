@@ -4,6 +4,7 @@
 //! acceleration structures, lights, and for every object with a medium what transport wants to know (is it closed,
 //! does it contain anything else, which of two overlapping objects wins).
 
+pub(crate) mod bounds;
 mod camera;
 mod compile;
 pub mod description;
