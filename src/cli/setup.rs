@@ -8,12 +8,13 @@ use super::job::file_name;
 use super::message::Reporter;
 use super::names;
 use super::pipeline::{
-    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, RenderStats, Rendered,
-    Scene, Shutter,
+    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, Rendered, Scene,
+    Shutter,
 };
 use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::{EnvArg, GroundArg};
+use super::warnings::warn_of_open_media;
 use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -222,26 +223,6 @@ fn set_ground(wanted: GroundArg, scene: &mut SceneDescription, reporter: &Report
     height
 }
 
-/// Says what went wrong in a render of so many samples; `of` begins the sentences.
-pub(super) fn report_counters(stats: &RenderStats, samples: f64, of: &str, reporter: &Reporter) {
-    if stats.truncated_paths > 0 {
-        reporter.warning(format!(
-            "{of}{} paths were cut off at --max-depth; the picture is darker than it should be",
-            stats.truncated_paths
-        ));
-    }
-    // Rounding lets a path in a million slip through an edge of a closed mesh.
-    if stats.leaked_paths as f64 > 1e-5 * samples {
-        reporter.warning(format!(
-            "{of}{} paths leaked out of meshes that are not closed (`nephrite inspect` says where)",
-            stats.leaked_paths
-        ));
-    }
-    if stats.invalid_samples > 0 {
-        reporter.warning(format!("{of}{} samples were not finite and count as black", stats.invalid_samples));
-    }
-}
-
 /// Options that turn or dim what is not there, or looks the same from all sides, are more likely a mistake.
 fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, reporter: &Reporter) {
     if let EnvironmentDescription::Constant(radiance) = scene.environment {
@@ -251,25 +232,6 @@ fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, r
         if args.env_intensity != 1.0 && radiance.max_element() <= 0.0 {
             reporter.note("--env-intensity does nothing: there is no environment (choose one with --env)");
         }
-    }
-}
-
-/// Media need closed meshes: elsewhere there is no telling what is inside.
-fn warn_of_open_media(scene: &Scene, reporter: &Reporter) {
-    const MOST_NAMED: usize = 5;
-    let objects = scene.objects.iter().zip(&scene.description.instances);
-    let open: Vec<String> = objects
-        .filter(|(object, _)| object.has_medium && !object.closed)
-        .map(|(_, instance)| format!("{:?} ({})", instance.name, instance.pointer))
-        .collect();
-    if !open.is_empty() {
-        let more = open.len().saturating_sub(MOST_NAMED);
-        let named: Vec<&str> = open.iter().take(MOST_NAMED).map(String::as_str).collect();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        reporter.warning(format!(
-            "{}{more}: the mesh is not closed, so light may leak out of its medium (`nephrite inspect` says where)",
-            named.join(", ")
-        ));
     }
 }
 
