@@ -2,7 +2,7 @@
 //! errors become [`Failure`]s.
 
 use super::Failure;
-use super::args::LoadArgs;
+use super::args::{LoadArgs, SceneArgs};
 use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, AssetError, environment::load_environment};
@@ -40,15 +40,15 @@ pub(super) fn models(cosines: Cosines) -> Registry {
 const STANDARD_INPUT: &str = "-";
 
 /// Opens a glTF file.
-pub(super) fn open(
-    args: &LoadArgs,
-    scene: Option<usize>,
-    variant: Option<&str>,
-    strict: bool,
-) -> Result<Asset, Failure> {
-    let variant = variant.map(str::to_owned);
-    let allow_outside = args.allow_outside;
-    let mut options = asset::LoadOptions { scene, variant, strict, allow_outside, ..Default::default() };
+pub(super) fn open(args: &SceneArgs) -> Result<Asset, Failure> {
+    let (variant, camera) = (args.variant.clone(), args.camera.clone());
+    let (scene, strict) = (args.scene, args.strict);
+    open_with(&args.load, asset::LoadOptions { scene, variant, strict, camera, ..Default::default() })
+}
+
+/// Opens a glTF file with options, to which those of the arguments are added.
+pub(super) fn open_with(args: &LoadArgs, mut options: asset::LoadOptions) -> Result<Asset, Failure> {
+    options.allow_outside = args.allow_outside;
     for (name, value) in &args.limits {
         options.limits.set(name, *value);
     }

@@ -66,7 +66,7 @@ impl Prepared {
         let mut watch = Stopwatch::start();
         let loading = format!("loading {}", file_name(&args.load.input));
         progress.phase(&loading);
-        let asset = pipeline::open(&args.load, args.scene, args.variant.as_deref(), args.strict);
+        let asset = pipeline::open(args);
         progress.clear();
         let mut asset = asset?;
         let mut moment = args.play.moment(&asset, blur.shutter.is_some(), reporter)?;
@@ -292,10 +292,8 @@ fn choose_camera<'a>(
     scene: &'a SceneDescription,
 ) -> Result<Option<&'a CameraDescription>, Failure> {
     let Some(wanted) = wanted else { return Ok(scene.cameras.first()) };
-    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
-    let by_index = || wanted.parse().ok().and_then(|index: usize| scene.cameras.get(index));
-    if let Some(camera) = by_name.or_else(by_index) {
-        return Ok(Some(camera));
+    if let Some(found) = CameraDescription::find(&scene.cameras, wanted) {
+        return Ok(scene.cameras.get(found));
     }
     if scene.cameras.is_empty() {
         return Err(Failure::advise(

@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub use super::image::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
 use super::Layers;
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +29,9 @@ pub struct SceneDescription {
     pub lights: Vec<PunctualLight>,
     /// Light from infinitely far away.
     pub environment: EnvironmentDescription,
+    /// Where the zero of all positions here is in the world of the file. Single precision counts from here; what is
+    /// told of positions adds it. Zero unless the file puts things far away, measured by their size.
+    pub origin: DVec3,
 }
 
 /// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as
