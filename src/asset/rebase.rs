@@ -52,6 +52,7 @@ impl Loader<'_> {
         let origin = self.cache.origin.unwrap_or_else(|| self.choose_origin());
         self.cache.origin = Some(origin);
         self.scene.origin = origin;
+        self.scene.weld_tolerance = self.options.weld_tolerance;
         if origin == DVec3::ZERO {
             return;
         }

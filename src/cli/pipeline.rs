@@ -6,11 +6,9 @@ use super::args::{LoadArgs, SceneArgs};
 use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, AssetError, environment::load_environment};
-use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
 use crate::scene::{
-    CameraDescription, EnvironmentDescription, MaterialDescription, MeshDescription, SceneDescription,
-    auto_camera,
+    CameraDescription, EnvironmentDescription, MaterialDescription, SceneDescription, auto_camera,
 };
 use crate::{subsurface, transport};
 use glam::Vec3;
@@ -49,6 +47,7 @@ pub(super) fn open(args: &SceneArgs) -> Result<Asset, Failure> {
 /// Opens a glTF file with options, to which those of the arguments are added.
 pub(super) fn open_with(args: &LoadArgs, mut options: asset::LoadOptions) -> Result<Asset, Failure> {
     options.allow_outside = args.allow_outside;
+    options.weld_tolerance = args.weld_tolerance;
     for (name, value) in &args.limits {
         options.limits.set(name, *value);
     }
@@ -189,11 +188,6 @@ pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraD
     // The cube whose corners lie on that sphere.
     let half = Vec3::splat(radius / 3f32.sqrt());
     auto_camera(center - half, center + half, aspect)
-}
-
-/// Whether a mesh is closed, and where it is not.
-pub(super) fn topology(mesh: &MeshDescription) -> Topology {
-    Topology::analyse_merged(&MeshGeometry::build(&mesh.positions, &mesh.triangles), &mesh.merged)
 }
 
 #[cfg(test)]

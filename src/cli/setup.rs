@@ -192,6 +192,9 @@ impl Prepared {
         if let Some(variant) = &args.variant {
             recorded["variant"] = json!(variant);
         }
+        if let Some(tolerance) = args.load.weld_tolerance {
+            recorded["weld_tolerance"] = json!(tolerance);
+        }
         if let Some(scene) = args.scene {
             recorded["scene"] = json!(scene);
         }

@@ -35,6 +35,7 @@ mod topology;
 mod topology_tests;
 mod traversal;
 mod triangle_block;
+mod weld;
 mod wide_bvh;
 
 pub use distance::DistanceBound;
@@ -44,3 +45,4 @@ pub use ray::{Aabb, MeshHit, NearestPoint, Ray};
 pub use scene::{GeometryError, Hit, SceneGeometry, SurfacePoint};
 pub use similarity::Similarity;
 pub use topology::{Component, NO_COMPONENT, Topology};
+pub use weld::close_seams;

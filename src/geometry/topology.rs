@@ -1,7 +1,8 @@
 //! Is a mesh the boundary of a solid, and which way does it face?
 //!
-//! Positions that are equal to the bit become one vertex (files split vertices at seams), and triangles that share an
-//! edge one component. A component is closed if each edge belongs to exactly two triangles that run along it in
+//! Positions that are equal to the bit become one vertex (files split vertices at seams; [`super::close_seams`] makes
+//! those equal that differ by roundings), and triangles that share an
+//! edge one component; where several solids touch in an edge, each keeps its own two triangles. A component is closed if each edge belongs to exactly two triangles that run along it in
 //! opposite directions. Its orientation follows from the sign of its volume (the divergence theorem, one tetrahedron
 //! a triangle) and from nesting: a component inside another one may face inwards, as a cavity does, but where
 //! the outermost is inside out, all that it holds is taken to be so too.
@@ -60,7 +61,7 @@ pub struct Topology {
 }
 
 /// One triangle's use of an edge: `(lower vertex, upper vertex, triangle << 1 | runs upwards)`.
-type EdgeUse = (u32, u32, u32);
+pub(super) type EdgeUse = (u32, u32, u32);
 
 impl Topology {
     /// Analyses a mesh. Deterministic.
@@ -71,8 +72,12 @@ impl Topology {
     /// As [`Self::analyse`], where it is known which vertices are one: `merged` has the vertices of each triangle, by any
     /// numbers. If it is not as long as there are triangles, equal positions are merged.
     pub fn analyse_merged(mesh: &MeshGeometry, merged: &[[u32; 3]]) -> Self {
-        let vertices =
-            if merged.len() == mesh.triangle_count() { first_corners(merged) } else { merged_vertices(mesh) };
+        let (positions, triangles) = mesh.indexed();
+        let vertices = if merged.len() == mesh.triangle_count() {
+            first_corners(merged)
+        } else {
+            merged_vertices(positions, triangles)
+        };
         let used = distinct_triangles(&vertices);
         let edges = edge_uses(&vertices, &used, mesh.is_reversed());
         let mut sets = OrientedSets::new(vertices.len());
@@ -116,6 +121,11 @@ impl Topology {
             if of_root[root] == NO_COMPONENT {
                 of_root[root] = components.len() as u32;
                 components.push(Component {
+    /// Whether there are edges of one triangle.
+    pub fn has_open_edges(&self) -> bool {
+        self.components.iter().any(|c| c.open_edges > 0)
+    }
+
                     triangles: 0,
                     open_edges: 0,
                     non_manifold_edges: 0,
@@ -237,8 +247,7 @@ fn first_corners(merged: &[[u32; 3]]) -> Vec<[u32; 3]> {
 }
 
 /// Vertex numbers of each triangle after merging equal positions; three equal numbers for dropped triangles.
-fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
-    let (positions, triangles) = mesh.indexed();
+pub(super) fn merged_vertices(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     // Adding zero makes −0 and 0 the same bits.
     let key = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
     let mut order: Vec<([u32; 3], u32)> =
@@ -255,7 +264,7 @@ fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
 }
 
 /// False for triangles with equal corners and for repetitions.
-fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
+pub(super) fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
     let lowest_first = |&[a, b, c]: &[u32; 3]| {
         if a < b && a < c {
             [a, b, c]
@@ -276,7 +285,7 @@ fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
     used
 }
 
-fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
+pub(super) fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
     let edges: Vec<EdgeUse> = (0..vertices.len())
         .into_par_iter()
         .filter(|&t| used[t])
@@ -316,7 +325,7 @@ fn sorted_by_vertex<T: Copy + Ord + Send>(
     sorted
 }
 
-fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {
+pub(super) fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {
     (a.0, a.1) == (b.0, b.1)
 }
 

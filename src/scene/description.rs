@@ -32,6 +32,9 @@ pub struct SceneDescription {
     /// Where the zero of all positions here is in the world of the file. Single precision counts from here; what is
     /// told of positions adds it. Zero unless the file puts things far away, measured by their size.
     pub origin: DVec3,
+    /// How far the ends of open edges of a mesh with a medium may be apart and yet be one, in metres: then they are put
+    /// into one place. By default 1e-5 of the largest coordinate of the mesh; 0 for none.
+    pub weld_tolerance: Option<f32>,
 }
 
 /// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as

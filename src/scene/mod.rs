@@ -17,6 +17,7 @@ pub mod layers;
 mod material;
 mod object;
 mod pyramid;
+mod seams;
 mod surface;
 pub mod texture;
 
@@ -28,4 +29,5 @@ pub use layers::Layers;
 pub use material::Shading;
 pub use object::{Intruder, NEARLY_SMOOTH, Object};
 pub use pyramid::Pyramid;
+pub use seams::Analysed;
 pub use surface::Surface;

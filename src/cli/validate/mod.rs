@@ -13,7 +13,8 @@ use std::io::{ErrorKind, Write as _};
 
 /// Validates as the arguments say.
 pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    let options = LoadOptions { scene: args.scene, ..Default::default() };
+    let options =
+        LoadOptions { scene: args.scene, weld_tolerance: args.weld_tolerance, ..Default::default() };
     let file = AuthoredFile::read(&args.input, &options.limits).map_err(|e| cannot_read(&args.input, &e))?;
     let loaded = load_bytes(file.bytes().to_vec(), &directory_of(&args.input), &options);
     let found = check::check(&file, loaded.as_ref());
