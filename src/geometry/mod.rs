@@ -21,6 +21,7 @@ mod lines;
 mod mesh;
 mod nearest;
 mod offset;
+mod oriented_sets;
 mod ray;
 mod scene;
 #[cfg(test)]
@@ -35,6 +36,7 @@ mod topology;
 mod topology_tests;
 mod traversal;
 mod triangle_block;
+mod wedges;
 mod weld;
 mod wide_bvh;
 
