@@ -25,6 +25,7 @@ impl Loader<'_> {
             return Ok(());
         };
         let name = json.name_or(|| node.name.clone());
+        self.exact.cameras.push((self.scene.cameras.len(), node.world.translation));
         self.scene.cameras.push(CameraDescription { name, transform, projection });
         Ok(())
     }

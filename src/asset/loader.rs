@@ -7,7 +7,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::Mat4;
+use glam::{DMat4, DVec3};
 use serde_json::Value;
 
 use super::LoadOptions;
@@ -15,6 +15,7 @@ use super::buffer::Bytes;
 use super::error::{AssetError, Diagnostic, Severity};
 use super::json::Json;
 use super::opened::Cache;
+use super::rebase::Exact;
 use super::texture::ImageSource;
 use crate::scene::SceneDescription;
 
@@ -41,13 +42,14 @@ pub struct Loader<'a> {
     pub(crate) decoded_images: usize,
     pub(crate) usable_images: HashSet<usize>,
     pub(crate) meshes: HashMap<MeshKey, Option<usize>>,
-    pub(crate) skins: HashMap<usize, Option<Arc<[Mat4]>>>,
+    pub(crate) skins: HashMap<usize, Option<Arc<[DMat4]>>>,
     pub(crate) worlds: Vec<Option<glam::DAffine3>>,
     pub(crate) parents: Option<Vec<Option<usize>>>,
     pub(crate) declared: HashSet<String>,
     pub(crate) bounds: HashMap<usize, [glam::Vec3; 2]>,
-    /// Meshes of the scene with the bits of the transforms of their instances.
-    pub(crate) placed: HashSet<(usize, [u32; 12])>,
+    /// What has been subtracted from the positions of meshes of the scene, where it is not zero.
+    pub(crate) centers: HashMap<usize, DVec3>,
+    pub(crate) exact: Exact,
     pub(crate) totals: Totals,
     /// The variant of KHR_materials_variants that is shown, if one was chosen.
     pub(crate) chosen_variant: Option<usize>,
@@ -90,7 +92,8 @@ impl<'a> Loader<'a> {
             parents: None,
             declared: HashSet::new(),
             bounds: HashMap::new(),
-            placed: HashSet::new(),
+            centers: HashMap::new(),
+            exact: Exact::default(),
             totals: Totals::default(),
             chosen_variant: None,
             scene: SceneDescription::default(),

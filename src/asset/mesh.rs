@@ -2,11 +2,12 @@
 //!
 //! Positions that cannot be placed are dropped with their triangles. Triangles with two corners at the same place go
 //! too: they have no area, and their edges cancel, so a closed mesh stays closed; thin ones stay, since closedness may
-//! hang on them. A primitive that repeats another word by word goes, too. Where only some primitives have normals the others get flat ones of their own.
+//! hang on them. An opaque primitive that repeats another word by
+//! word goes, too. Where only some primitives have normals the others get flat ones of their own.
 
 use std::collections::HashSet;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::error::AssetError;
@@ -15,8 +16,9 @@ use super::loader::Loader;
 use super::manifold;
 use super::pose::Pose;
 use super::primitive::Primitive;
+use super::rebase;
 use super::tangent;
-use crate::scene::{MaterialDescription, MeshDescription};
+use crate::scene::{MaterialDescription, MeshDescription, bounds};
 
 /// Coordinates beyond this overflow single precision once they are squared, and squared again.
 pub(crate) const FARTHEST: f64 = 1e9;
@@ -41,24 +43,33 @@ impl Loader<'_> {
             self.invalid(json.pointer(), "has no primitives")?;
         }
         let mut known = HashSet::new();
-        for primitive in list {
-            if !known.insert(primitive.value().to_string()) {
+        let mut read = Vec::new();
+        for primitive in &list {
+            if !known.insert(primitive.value().to_string()) && self.is_opaque(primitive)? {
                 self.totals.repeated_primitives += 1;
                 continue;
             }
-            if let Some(mut read) = self.primitive(&primitive, pose.is_skinned())? {
-                self.morph(&mut read, &primitive, pose)?;
-                self.skinned(&mut read, &primitive, pose)?;
-                self.marks(&mut read, &primitive)?;
-                if let Some(merged) = merged.as_ref().filter(|merged| manifold::agrees(&read, merged)) {
-                    let one = |i: u32| merged.get(&i).copied().unwrap_or(i);
-                    read.merged = read.triangles.iter().map(|t| t.map(one)).collect();
-                }
-                self.clean(&mut read, &primitive);
-                self.spend(read.positions.len(), read.triangles.len(), primitive.pointer())?;
-                self.check_uv_sets(&read, &primitive);
-                primitives.push(read);
+            if let Some(found) = self.primitive(primitive, pose.is_skinned())? {
+                self.spend(found.positions.len(), found.triangles.len(), primitive.pointer())?;
+                read.push((found, primitive));
             }
+        }
+        let center = center_primitives(&mut read);
+        let mut from = None;
+        for (mut primitive, json) in read {
+            self.morph(&mut primitive, json, pose)?;
+            from = Some(self.skinned(&mut primitive, json, pose, center, from)?);
+            if primitive.marks.is_some() {
+                self.marks(&mut primitive, json)?;
+                self.spend(primitive.positions.len(), primitive.triangles.len(), json.pointer())?;
+            }
+            if let Some(merged) = merged.as_ref().filter(|merged| manifold::agrees(&primitive, merged)) {
+                let one = |i: u32| merged.get(&i).copied().unwrap_or(i);
+                primitive.merged = primitive.triangles.iter().map(|t| t.map(one)).collect();
+            }
+            self.clean(&mut primitive, json);
+            self.check_uv_sets(&primitive, json);
+            primitives.push(primitive);
         }
         primitives.retain(|p| !p.triangles.is_empty());
         let mesh = if primitives.is_empty() {
@@ -84,10 +95,19 @@ impl Loader<'_> {
             mesh.name = json.name_or(|| format!("mesh {index}"));
             mesh.pointer = json.pointer().to_owned();
             self.scene.meshes.push(mesh);
-            Some(self.scene.meshes.len() - 1)
+            let place = self.scene.meshes.len() - 1;
+            self.centers.extend(from.filter(|from| *from != DVec3::ZERO).map(|from| (place, from)));
+            Some(place)
         };
         self.meshes.insert(key, mesh);
         Ok(mesh)
+    }
+
+    /// Whether no light passes a primitive: then repetitions of it cannot be seen.
+    fn is_opaque(&mut self, primitive: &Json<'_>) -> Result<bool, AssetError> {
+        let index = self.alternative(primitive)?.or(primitive.usize("material")?);
+        let material = index.and_then(|index| self.scene.materials.get(index));
+        Ok(material.is_none_or(MaterialDescription::is_opaque))
     }
 
     /// Removes what cannot be drawn, and makes normals and tangents unit vectors.
@@ -141,6 +161,28 @@ impl Loader<'_> {
             format!("a texture of {} uses TEXCOORD_{missing}, which is not there", material.pointer);
         self.warn(&json.pointer_to("attributes"), message, Some("its coordinates are taken to be (0, 0)"));
     }
+}
+
+/// Moves the primitives of a mesh to the origin, if they are far from it: the returned vector is subtracted.
+fn center_primitives(primitives: &mut [(Primitive, &Json<'_>)]) -> DVec3 {
+    let boxes = primitives.iter().filter_map(|(primitive, _)| {
+        let Primitive { positions, triangles, marks, .. } = primitive;
+        match marks {
+            None => bounds::bounds_of(positions, triangles),
+            Some((_, indices)) => {
+                let points = indices.iter().map(|&i| positions[i as usize]).filter(|p| p.is_finite());
+                points.map(|p| [p; 2]).reduce(bounds::union)
+            }
+        }
+    });
+    let Some(all) = boxes.reduce(bounds::union) else { return DVec3::ZERO };
+    // Rounded to what positions are in: then no corner of the box is rounded (Sterbenz's lemma).
+    let center = rebase::far_center(all.into_iter().map(|p| p.as_dvec3())).as_vec3();
+    if center != Vec3::ZERO {
+        let positions = primitives.iter_mut().flat_map(|(primitive, _)| &mut primitive.positions);
+        positions.for_each(|p| *p -= center);
+    }
+    center.as_dvec3()
 }
 
 /// Keeps the triangles for which something holds, and what belongs to them.

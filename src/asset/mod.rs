@@ -41,6 +41,7 @@ mod opened;
 mod place;
 mod pose;
 mod primitive;
+mod rebase;
 mod skin;
 mod summary;
 mod tangent;
@@ -84,6 +85,11 @@ pub struct LoadOptions {
     pub allow_outside: bool,
     /// The extensions that are understood.
     pub registry: Registry,
+    /// Name or index of the camera that is looked through; by default the first. Where it and what it sees are far from
+    /// the origin of the file, positions are counted from there ([`SceneDescription::origin`]).
+    pub camera: Option<String>,
+    /// [`SceneDescription::weld_tolerance`].
+    pub weld_tolerance: Option<f32>,
 }
 
 /// A file that was loaded.
@@ -240,15 +246,19 @@ impl<'a> Loader<'a> {
         }
         let loader::Totals { repeated_primitives, repeated_objects, .. } = self.totals;
         if repeated_primitives > 0 {
-            let message = format!(
-                "{repeated_primitives} primitives are left out: each repeats another one of its mesh"
-            );
+            let message = match repeated_primitives {
+                1 => "1 primitive is left out: it repeats another one of its mesh".to_owned(),
+                n => format!("{n} primitives are left out: each repeats another one of its mesh"),
+            };
             self.warn("/meshes", message, None);
         }
         if repeated_objects > 0 {
-            let message = format!(
-                "{repeated_objects} objects are left out: each is in the very place of another one of its mesh"
-            );
+            let message = match repeated_objects {
+                1 => "1 object is left out: it is in the very place of another one of its mesh".to_owned(),
+                n => {
+                    format!("{n} objects are left out: each is in the very place of another one of its mesh")
+                }
+            };
             self.warn("/nodes", message, None);
         }
         if self.count("animations") > 0 && !played {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::DVec3;
 use serde_json::Value;
 
 use super::animation::{Moment, apply};
@@ -38,6 +39,8 @@ pub(crate) struct Cache {
     pub keyframes: HashMap<usize, Arc<Accessor>>,
     /// First and last time of keyframes, or what is wrong with them, by the pointer of their accessor.
     pub times: HashMap<String, Result<[f32; 2], String>>,
+    /// The origin of the scene at the first moment that was read, which holds for all.
+    pub origin: Option<DVec3>,
 }
 
 impl Asset {
@@ -95,7 +98,8 @@ impl Asset {
         list.into_iter().flatten().map(|a| a.get("name").and_then(Value::as_str)).collect()
     }
 
-    /// Reads the scene at a moment. What is odd about files and images is told the first time only.
+    /// Reads the scene at a moment. What is odd about files and images is told the first time only; the origin is that of
+    /// the first time, so that moments can be compared.
     ///
     /// # Errors
     /// Where the file is not glTF 2.0, refers to what is not there, requires an extension that is not in the registry,
@@ -129,6 +133,8 @@ impl Asset {
             loader = Loader::new(&animated, &self.options, self.folder.as_deref()).continuing(loader);
         }
         loader.read()?;
+        loader.rebase();
+        loader.drop_repeated_objects();
         loader.decode_images()?;
         loader.afterthoughts(!moment.animations.is_empty())?;
         let summary = Summary::new(&loader, extensions, animations);

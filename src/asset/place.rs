@@ -1,8 +1,11 @@
 //! Instances: a mesh at a node, if its transform leaves something of it.
 //!
 //! A transform without an inverse flattens a mesh; the flat mesh is baked, since instances must be invertible. What
-//! reaches beyond [`FARTHEST`] is left out, since single precision cannot square it and go on. So is an object in the very
-//! place of another one of the same mesh: it cannot be seen, and a ray that meets a million of them would meet them all.
+//! reaches beyond [`FARTHEST`] is left out, since single precision cannot square it and go on. So is an opaque object in
+//! the very place of another one of the same mesh: it cannot be seen, and a ray that meets a million of them would meet
+//! them all. What light passes is kept, as often as it is there.
+
+use std::collections::HashSet;
 
 use glam::{Affine3A, BVec3, DAffine3, DVec3, Vec3};
 
@@ -10,7 +13,8 @@ use super::error::AssetError;
 use super::loader::Loader;
 use super::mesh::FARTHEST;
 use super::node::NodeContext;
-use crate::scene::{InstanceDescription, MeshDescription};
+use super::rebase;
+use crate::scene::{InstanceDescription, MaterialDescription, MeshDescription};
 
 /// Below this volume, relative to the lengths of its columns, a transform counts as flat.
 const FLAT: f64 = 1e-9;
@@ -24,6 +28,8 @@ impl Loader<'_> {
         let limit = self.options.limits.instances;
         let needed = self.scene.instances.len() as u64 + 1;
         Self::within(needed, limit, &node.pointer, "the scene, in instances,", "instances")?;
+        let center = self.centers.get(&mesh).copied().unwrap_or_default();
+        let world = &DAffine3 { translation: world.transform_point3(center), ..*world };
         let transform = Affine3A::from_mat3_translation(world.matrix3.as_mat3(), world.translation.as_vec3());
         let reach = |p: DVec3| world.transform_point3(p).abs().max_element();
         if !transform.is_finite() || !self.corners(mesh).into_iter().all(|c| reach(c) <= FARTHEST) {
@@ -31,21 +37,23 @@ impl Loader<'_> {
             self.warn(&node.pointer, message, None);
             return Ok(());
         }
-        let (mesh, transform) = if invertible(world) && transform.inverse().is_finite() {
-            (mesh, transform)
+        let (mesh, transform, translation) = if invertible(world) && transform.inverse().is_finite() {
+            (mesh, transform, world.translation)
         } else {
-            let Some(flat) = self.flattened(mesh, &transform, &node.pointer)? else {
+            // What is far away stays at its own origin: baked there, its places would be rounded.
+            let corners = self.corners(mesh).map(|c| world.transform_point3(c));
+            let far = rebase::far_center(corners.into_iter()) != DVec3::ZERO;
+            let translation = if far { world.translation } else { DVec3::ZERO };
+            let bake = if far { Affine3A::from_mat3(transform.matrix3.into()) } else { transform };
+            let Some(flat) = self.flattened(mesh, &bake, &node.pointer)? else {
                 let message = "the object is left out, since its scale leaves nothing of it";
                 self.warn(&node.pointer, message, None);
                 return Ok(());
             };
             self.warn(&node.pointer, "the scale of the object flattens it", None);
-            (flat, Affine3A::IDENTITY)
+            (flat, Affine3A::from_translation(translation.as_vec3()), translation)
         };
-        if !self.placed.insert((mesh, transform.to_cols_array().map(f32::to_bits))) {
-            self.totals.repeated_objects += 1;
-            return Ok(());
-        }
+        self.exact.instances.push((self.scene.instances.len(), translation));
         self.scene.instances.push(InstanceDescription {
             name: node.name.clone(),
             pointer: node.pointer.clone(),
@@ -55,8 +63,21 @@ impl Loader<'_> {
         Ok(())
     }
 
+    /// Leaves out opaque objects in the very place of others.
+    pub(crate) fn drop_repeated_objects(&mut self) {
+        let scene = &mut self.scene;
+        let opaque: Vec<bool> = scene.meshes.iter().map(|mesh| is_opaque(mesh, &scene.materials)).collect();
+        let mut placed = HashSet::new();
+        let before = scene.instances.len();
+        scene.instances.retain(|instance| {
+            let place = (instance.mesh, instance.transform.to_cols_array().map(f32::to_bits));
+            placed.insert(place) || !opaque[instance.mesh]
+        });
+        self.totals.repeated_objects = before - scene.instances.len();
+    }
+
     /// The corners of a mesh's bounding box.
-    fn corners(&mut self, mesh: usize) -> [DVec3; 8] {
+    pub(crate) fn corners(&mut self, mesh: usize) -> [DVec3; 8] {
         let meshes = &self.scene.meshes;
         let bounds = || meshes.get(mesh).map_or([Vec3::ZERO; 2], MeshDescription::bounds);
         let [low, high] = self.bounds.entry(mesh).or_insert_with(bounds).map(|c| c.as_dvec3());
@@ -96,6 +117,12 @@ impl Loader<'_> {
         self.scene.meshes.push(flat);
         Ok(Some(self.scene.meshes.len() - 1))
     }
+}
+
+/// Whether no light passes the triangles of a mesh.
+fn is_opaque(mesh: &MeshDescription, materials: &[MaterialDescription]) -> bool {
+    let mut used = mesh.triangle_materials.iter().filter_map(|&m| materials.get(m as usize));
+    used.all(MaterialDescription::is_opaque)
 }
 
 /// Whether the columns of a transform span space, whatever their lengths.

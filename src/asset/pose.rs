@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use glam::Mat4;
+use glam::DMat4;
 
 use super::error::AssetError;
 use super::json::Json;
@@ -24,9 +24,9 @@ pub(crate) struct Pose {
 #[derive(Clone, Debug)]
 pub(crate) struct SkinPose {
     /// For each joint, mesh space to world space.
-    pub joints: Arc<[Mat4]>,
+    pub joints: Arc<[DMat4]>,
     /// The node itself: where vertices go that follow no joint.
-    pub node: Mat4,
+    pub node: DMat4,
     /// Index of the node.
     pub node_index: usize,
 }
@@ -69,8 +69,7 @@ impl Loader<'_> {
                 joints
             }
         };
-        let wear =
-            |joints| SkinPose { joints, node: node.world.as_affine3a().into(), node_index: node.index };
+        let wear = |joints| SkinPose { joints, node: node.world.into(), node_index: node.index };
         Ok(Pose { weights, skin: joints.map(wear) })
     }
 

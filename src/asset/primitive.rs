@@ -186,7 +186,7 @@ impl Loader<'_> {
     }
 
     /// The material that an extension puts in place of the primitive's own.
-    fn alternative(&mut self, json: &Json<'_>) -> Result<Option<usize>, AssetError> {
+    pub(super) fn alternative(&mut self, json: &Json<'_>) -> Result<Option<usize>, AssetError> {
         let mut chosen = None;
         if json.get("extensions").is_some() {
             for extension in self.options.registry.iter() {

@@ -2,7 +2,8 @@
 //!
 //! The transform of the node that wears the skin plays no part, so a skinned mesh is in world space. Any number of
 //! influences is summed, and the sum divided by that of the weights. Normals go with the cofactor matrix, which also
-//! holds for uneven, mirrored and flattened joints. Where the joints mirror a whole primitive its triangles and normals
+//! holds for uneven, mirrored and flattened joints. Matrices are in double precision until it is known from where positions
+//! are counted, before and after. Where the joints mirror a whole primitive its triangles and normals
 //! are turned over, as those of a mirrored node are, so that outside stays outside.
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Mat3, Mat4};
@@ -10,8 +11,9 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, Mat3, Mat4};
 use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
-use super::pose::{Pose, SkinPose};
+use super::pose::Pose;
 use super::primitive::{Influences, Primitive};
+use super::rebase;
 
 /// Sums of weights that are off by more than this are worth a warning; four weights in bytes may be off by 2/255.
 const WEIGHT_TOLERANCE: f32 = 1e-2;
@@ -23,9 +25,16 @@ struct Blend {
     weight: f32,
 }
 
+impl Blend {
+    /// Where the vertex goes, given where those go that follow no joint.
+    fn matrix(&self, node: &Mat4) -> Mat4 {
+        if self.weight == 0.0 { *node } else { self.sum * self.weight.recip() }
+    }
+}
+
 impl Loader<'_> {
     /// The joint matrices of a skin; `None`, with a warning, if it cannot be used.
-    pub(crate) fn skin(&mut self, skin: usize, from: &str) -> Result<Option<Vec<Mat4>>, AssetError> {
+    pub(crate) fn skin(&mut self, skin: usize, from: &str) -> Result<Option<Vec<DMat4>>, AssetError> {
         let json = self.entry("skins", skin, from)?;
         let joints = json.array("joints")?;
         if joints.is_empty() {
@@ -56,8 +65,8 @@ impl Loader<'_> {
             self.entry("nodes", index, joint.pointer())?;
             let world = self.joint_world(index, joint.pointer())?;
             let bind = inverse.get(i).map_or(Mat4::IDENTITY, Mat4::from_cols_array);
-            let matrix = (DMat4::from(world) * bind.as_dmat4()).as_mat4();
-            if !matrix.is_finite() {
+            let matrix = DMat4::from(world) * bind.as_dmat4();
+            if !matrix.as_mat4().is_finite() {
                 self.warn(joint.pointer(), "the joint has no place; the skin is ignored", None);
                 return Ok(None);
             }
@@ -115,19 +124,40 @@ impl Loader<'_> {
         Ok(parents)
     }
 
-    /// Skins a primitive, whose JSON is `json`.
+    /// Skins a primitive, whose JSON is `json`, and whose positions are counted from `center`. The world positions that
+    /// come out are counted from the place that is returned: that of an earlier primitive of the mesh, if there is one.
     pub(crate) fn skinned(
         &mut self,
         primitive: &mut Primitive,
         json: &Json<'_>,
         pose: &Pose,
-    ) -> Result<(), AssetError> {
-        let Some(skin) = &pose.skin else { return Ok(()) };
+        center: DVec3,
+        known: Option<DVec3>,
+    ) -> Result<DVec3, AssetError> {
+        let Some(skin) = &pose.skin else { return Ok(center) };
         let pointer = json.pointer_to("attributes");
         let influences = std::mem::take(&mut primitive.influences);
         self.spend_pose(influences.len().saturating_mul(primitive.positions.len()), &pointer)?;
-        let blends = blend(&influences, primitive.positions.len(), skin, &pointer)?;
-        let count = blends.len();
+        let count = primitive.positions.len();
+        let used = used_vertices(primitive);
+        let posed = |from: DVec3| {
+            let [there, back] = [center, -from].map(DMat4::from_translation);
+            let joints: Vec<Mat4> = skin.joints.iter().map(|j| (back * *j * there).as_mat4()).collect();
+            let blends = blend(&influences, count, &joints, &pointer)?;
+            Ok::<_, AssetError>((blends, (back * skin.node * there).as_mat4()))
+        };
+        let mut from = known.unwrap_or_default();
+        let (mut blends, mut node) = posed(from)?;
+        if known.is_none() {
+            let place =
+                |i: usize| blends[i].matrix(&node).transform_point3(primitive.positions[i]).as_dvec3();
+            let used = (0..count).filter(|&i| used[i]);
+            let places = used.map(place).filter(|p| p.is_finite());
+            from = rebase::far_center(places);
+            if from != DVec3::ZERO {
+                (blends, node) = posed(from)?;
+            }
+        }
         let alone = blends.iter().filter(|b| b.weight == 0.0).count();
         if alone > 0 {
             let message = format!("{alone} of {count} vertices follow no joint; they stay at their node");
@@ -140,8 +170,8 @@ impl Loader<'_> {
                 format!("the weights of {uneven} of {count} vertices do not sum to 1; they are normalised");
             self.invalid(&pointer, message)?;
         }
-        transform(primitive, &blends, skin);
-        Ok(())
+        transform(primitive, &blends, &node, &used);
+        Ok(from)
     }
 }
 
@@ -149,15 +179,15 @@ impl Loader<'_> {
 fn blend(
     influences: &[Influences],
     count: usize,
-    skin: &SkinPose,
+    joints_of_skin: &[Mat4],
     pointer: &str,
 ) -> Result<Vec<Blend>, AssetError> {
     let mut blends = vec![Blend { sum: Mat4::ZERO, weight: 0.0 }; count];
     for (set, Influences { joints, weights }) in influences.iter().enumerate() {
         for ((blend, joints), weights) in blends.iter_mut().zip(joints).zip(weights) {
             for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, w)| **w > 0.0 && w.is_finite()) {
-                let Some(matrix) = skin.joints.get(joint as usize) else {
-                    let message = format!("joint {joint} is beyond the {} of the skin", skin.joints.len());
+                let Some(matrix) = joints_of_skin.get(joint as usize) else {
+                    let message = format!("joint {joint} is beyond the {} of the skin", joints_of_skin.len());
                     return Err(AssetError::invalid(format!("{pointer}/JOINTS_{set}"), message));
                 };
                 blend.sum += *matrix * weight;
@@ -168,13 +198,23 @@ fn blend(
     Ok(blends)
 }
 
+/// Whether each vertex is a corner of something that is shown.
+fn used_vertices(primitive: &Primitive) -> Vec<bool> {
+    let mut used = vec![false; primitive.positions.len()];
+    let marked = primitive.marks.iter().flat_map(|(_, indices)| indices);
+    primitive.triangles.iter().flatten().chain(marked).for_each(|&i| used[i as usize] = true);
+    used
+}
+
 /// Moves the vertices of a primitive.
-fn transform(primitive: &mut Primitive, blends: &[Blend], skin: &SkinPose) {
-    let mut mirrored = 0;
+fn transform(primitive: &mut Primitive, blends: &[Blend], node: &Mat4, used: &[bool]) {
+    let (mut mirrored, mut straight) = (0, 0);
     for (i, blend) in blends.iter().enumerate() {
-        let matrix = if blend.weight == 0.0 { skin.node } else { blend.sum * blend.weight.recip() };
+        let matrix = blend.matrix(node);
         let linear = Mat3::from_mat4(matrix);
-        mirrored += usize::from(linear.determinant() < 0.0);
+        let mirrors = linear.determinant() < 0.0;
+        mirrored += usize::from(used[i] && mirrors);
+        straight += usize::from(used[i] && !mirrors);
         primitive.positions[i] = matrix.transform_point3(primitive.positions[i]);
         if let Some(n) = primitive.normals.get_mut(i) {
             *n = cofactor(linear) * *n;
@@ -183,7 +223,7 @@ fn transform(primitive: &mut Primitive, blends: &[Blend], skin: &SkinPose) {
             *t = (linear * t.truncate()).extend(t.w);
         }
     }
-    if mirrored > 0 && mirrored == blends.len() {
+    if mirrored > 0 && straight == 0 {
         primitive.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         primitive.normals.iter_mut().for_each(|n| *n = -*n);
         primitive.tangents.iter_mut().for_each(|t| t.w = -t.w);

@@ -54,6 +54,11 @@ pub(super) struct LoadArgs {
     /// Let the file name files outside of its folder
     #[arg(long, hide_short_help = true)]
     pub allow_outside: bool,
+
+    /// How far apart the edges of a seam may be, in metres, to be closed where a mesh holds a medium; 0 closes none
+    /// [default: 1e-5 of the largest coordinate of the mesh]
+    #[arg(long, value_name = "LENGTH", value_parser = positive, hide_short_help = true)]
+    pub weld_tolerance: Option<f32>,
 }
 
 /// What every command that renders has to know of the scene.

@@ -175,6 +175,11 @@ pub(super) struct ValidateArgs {
     #[arg(long, value_name = "N")]
     pub scene: Option<usize>,
 
+    /// How far apart the edges of a seam may be, in metres, to be closed where a mesh holds a medium; 0 closes none
+    /// [default: 1e-5 of the largest coordinate of the mesh]
+    #[arg(long, value_name = "LENGTH", value_parser = super::values::positive)]
+    pub weld_tolerance: Option<f32>,
+
     /// Print JSON
     #[arg(long)]
     pub json: bool,

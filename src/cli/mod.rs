@@ -36,6 +36,7 @@ mod setup;
 mod stats;
 mod validate;
 mod values;
+mod warnings;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -2,15 +2,13 @@
 //! errors become [`Failure`]s.
 
 use super::Failure;
-use super::args::LoadArgs;
+use super::args::{LoadArgs, SceneArgs};
 use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, AssetError, environment::load_environment};
-use crate::geometry::{MeshGeometry, Topology};
 use crate::light::studio::studio;
 use crate::scene::{
-    CameraDescription, EnvironmentDescription, MaterialDescription, MeshDescription, SceneDescription,
-    auto_camera,
+    CameraDescription, EnvironmentDescription, MaterialDescription, SceneDescription, auto_camera,
 };
 use crate::{subsurface, transport};
 use glam::Vec3;
@@ -40,15 +38,16 @@ pub(super) fn models(cosines: Cosines) -> Registry {
 const STANDARD_INPUT: &str = "-";
 
 /// Opens a glTF file.
-pub(super) fn open(
-    args: &LoadArgs,
-    scene: Option<usize>,
-    variant: Option<&str>,
-    strict: bool,
-) -> Result<Asset, Failure> {
-    let variant = variant.map(str::to_owned);
-    let allow_outside = args.allow_outside;
-    let mut options = asset::LoadOptions { scene, variant, strict, allow_outside, ..Default::default() };
+pub(super) fn open(args: &SceneArgs) -> Result<Asset, Failure> {
+    let (variant, camera) = (args.variant.clone(), args.camera.clone());
+    let (scene, strict) = (args.scene, args.strict);
+    open_with(&args.load, asset::LoadOptions { scene, variant, strict, camera, ..Default::default() })
+}
+
+/// Opens a glTF file with options, to which those of the arguments are added.
+pub(super) fn open_with(args: &LoadArgs, mut options: asset::LoadOptions) -> Result<Asset, Failure> {
+    options.allow_outside = args.allow_outside;
+    options.weld_tolerance = args.weld_tolerance;
     for (name, value) in &args.limits {
         options.limits.set(name, *value);
     }
@@ -180,44 +179,32 @@ pub(super) fn adjust_environment(environment: &mut EnvironmentDescription, degre
 }
 
 /// A camera that sees the whole scene: three-quarter view from slightly above, vertical field of view 35°. It frames
-/// the sphere around the middle of the bounds that holds every vertex, which is tighter than the one around the
+/// the sphere around the middle of the bounds that holds every triangle, which is tighter than the one around the
 /// corners of the bounds.
 pub(super) fn automatic_camera(scene: &SceneDescription, aspect: f32) -> CameraDescription {
-    let points = || {
-        let meshes = scene.instances.iter().filter_map(|i| Some((i, scene.meshes.get(i.mesh)?)));
-        let placed =
-            meshes.flat_map(|(i, mesh)| mesh.positions.iter().map(|&p| i.transform.transform_point3(p)));
-        placed.filter(|p| p.is_finite())
-    };
-    let (min, max) = points()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), point| (min.min(point), max.max(point)));
-    if min.cmpgt(max).any() {
+    let Some((center, radius)) = scene.bounding_sphere() else {
         return auto_camera(Vec3::NEG_ONE, Vec3::ONE, aspect);
-    }
-    let center = 0.5 * (min + max);
-    let radius = points().map(|point| point.distance(center)).fold(0.0, f32::max);
+    };
     // The cube whose corners lie on that sphere.
     let half = Vec3::splat(radius / 3f32.sqrt());
     auto_camera(center - half, center + half, aspect)
 }
 
-/// Whether a mesh is closed, and where it is not.
-pub(super) fn topology(mesh: &MeshDescription) -> Topology {
-    Topology::analyse_merged(&MeshGeometry::build(&mesh.positions, &mesh.triangles), &mesh.merged)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ColorSpace, InstanceDescription, TextureRef};
+    use crate::scene::{ColorSpace, InstanceDescription, MeshDescription, TextureRef};
     use glam::{Affine2, Affine3A};
 
     fn octahedron(material: MaterialDescription) -> SceneDescription {
         let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
         let mesh = MeshDescription {
             positions: axes.to_vec(),
-            triangles: vec![[0, 1, 2]],
-            triangle_materials: vec![0],
+            triangles: (0..8)
+                .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|k| 3 * k))
+                .map(|[a, b, c]| [a, b + 1, c + 2])
+                .collect(),
+            triangle_materials: vec![0; 8],
             ..Default::default()
         };
         let instance = InstanceDescription {

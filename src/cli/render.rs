@@ -8,8 +8,9 @@ use super::message::Reporter;
 use super::pipeline::{self, RenderOptions, Rendered};
 use super::progress::Progress;
 use super::progressive::{self, Output, Showing};
-use super::setup::{Prepared, Size, report_counters};
+use super::setup::{Prepared, Size};
 use super::stats::{Work, peak_memory_bytes};
+use super::warnings::report_counters;
 use crate::film::{self, Format, WriteReport};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
@@ -49,7 +50,7 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     }
 
     let samples = rendered.film.pixels.len() as f64 * f64::from(rendered.spp);
-    report_counters(&rendered.stats, samples, "", &reporter);
+    report_counters(&rendered.stats, &prepared.scene, samples, "", &reporter);
     let writing = Instant::now();
     let report = write_pictures(&job, &job.outputs, &rendered, &recorded, &options)?;
     say_what_was_lost(report, &reporter);

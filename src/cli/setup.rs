@@ -8,12 +8,13 @@ use super::job::file_name;
 use super::message::Reporter;
 use super::names;
 use super::pipeline::{
-    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, RenderStats, Rendered,
-    Scene, Shutter,
+    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, Rendered, Scene,
+    Shutter,
 };
 use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::{EnvArg, GroundArg};
+use super::warnings::warn_of_open_media;
 use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -65,7 +66,7 @@ impl Prepared {
         let mut watch = Stopwatch::start();
         let loading = format!("loading {}", file_name(&args.load.input));
         progress.phase(&loading);
-        let asset = pipeline::open(&args.load, args.scene, args.variant.as_deref(), args.strict);
+        let asset = pipeline::open(args);
         progress.clear();
         let mut asset = asset?;
         let mut moment = args.play.moment(&asset, blur.shutter.is_some(), reporter)?;
@@ -82,7 +83,10 @@ impl Prepared {
         say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
-        let bounds = description.bounds();
+        let bounds = match args.ground {
+            GroundArg::Color(_) => description.bounds(),
+            _ => None,
+        };
         let ground = set_ground(args.ground, &mut description, reporter);
         let load_seconds = watch.lap();
         interrupt::check()?;
@@ -188,6 +192,9 @@ impl Prepared {
         if let Some(variant) = &args.variant {
             recorded["variant"] = json!(variant);
         }
+        if let Some(tolerance) = args.load.weld_tolerance {
+            recorded["weld_tolerance"] = json!(tolerance);
+        }
         if let Some(scene) = args.scene {
             recorded["scene"] = json!(scene);
         }
@@ -219,26 +226,6 @@ fn set_ground(wanted: GroundArg, scene: &mut SceneDescription, reporter: &Report
     height
 }
 
-/// Says what went wrong in a render of so many samples; `of` begins the sentences.
-pub(super) fn report_counters(stats: &RenderStats, samples: f64, of: &str, reporter: &Reporter) {
-    if stats.truncated_paths > 0 {
-        reporter.warning(format!(
-            "{of}{} paths were cut off at --max-depth; the picture is darker than it should be",
-            stats.truncated_paths
-        ));
-    }
-    // Rounding lets a path in a million slip through an edge of a closed mesh.
-    if stats.leaked_paths as f64 > 1e-5 * samples {
-        reporter.warning(format!(
-            "{of}{} paths leaked out of meshes that are not closed (`nephrite inspect` says where)",
-            stats.leaked_paths
-        ));
-    }
-    if stats.invalid_samples > 0 {
-        reporter.warning(format!("{of}{} samples were not finite and count as black", stats.invalid_samples));
-    }
-}
-
 /// Options that turn or dim what is not there, or looks the same from all sides, are more likely a mistake.
 fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, reporter: &Reporter) {
     if let EnvironmentDescription::Constant(radiance) = scene.environment {
@@ -248,25 +235,6 @@ fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, r
         if args.env_intensity != 1.0 && radiance.max_element() <= 0.0 {
             reporter.note("--env-intensity does nothing: there is no environment (choose one with --env)");
         }
-    }
-}
-
-/// Media need closed meshes: elsewhere there is no telling what is inside.
-fn warn_of_open_media(scene: &Scene, reporter: &Reporter) {
-    const MOST_NAMED: usize = 5;
-    let objects = scene.objects.iter().zip(&scene.description.instances);
-    let open: Vec<String> = objects
-        .filter(|(object, _)| object.has_medium && !object.closed)
-        .map(|(_, instance)| format!("{:?} ({})", instance.name, instance.pointer))
-        .collect();
-    if !open.is_empty() {
-        let more = open.len().saturating_sub(MOST_NAMED);
-        let named: Vec<&str> = open.iter().take(MOST_NAMED).map(String::as_str).collect();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        reporter.warning(format!(
-            "{}{more}: the mesh is not closed, so light may leak out of its medium (`nephrite inspect` says where)",
-            named.join(", ")
-        ));
     }
 }
 
@@ -327,10 +295,8 @@ fn choose_camera<'a>(
     scene: &'a SceneDescription,
 ) -> Result<Option<&'a CameraDescription>, Failure> {
     let Some(wanted) = wanted else { return Ok(scene.cameras.first()) };
-    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
-    let by_index = || wanted.parse().ok().and_then(|index: usize| scene.cameras.get(index));
-    if let Some(camera) = by_name.or_else(by_index) {
-        return Ok(Some(camera));
+    if let Some(found) = CameraDescription::find(&scene.cameras, wanted) {
+        return Ok(scene.cameras.get(found));
     }
     if scene.cameras.is_empty() {
         return Err(Failure::advise(

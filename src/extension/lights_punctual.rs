@@ -59,14 +59,15 @@ impl Extension for LightsPunctual {
             loader.warn(&node.pointer, "the light is left out, since its node has no direction", None);
             return Ok(());
         };
-        loader.scene.lights.push(PunctualLight {
+        let light = PunctualLight {
             name: light.name_or(|| node.name.clone()),
             intensity: (color * intensity).min(Vec3::splat(MAX_RADIANCE)),
             position,
             direction: direction.as_vec3().normalize(),
             range,
             kind,
-        });
+        };
+        loader.add_light(light, node.world.translation);
         Ok(())
     }
 }

@@ -17,6 +17,9 @@ use super::wide_bvh::{Block, WideBvh};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 
+/// Triangles of a piece of work.
+const CHUNK: usize = 1 << 14;
+
 /// Why a scene cannot be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GeometryError {
@@ -154,7 +157,7 @@ impl SceneGeometry {
             if let Some(linear) = linear {
                 positions.iter_mut().for_each(|p| *p = linear * *p);
             }
-            let center = move_to_origin(&mut positions);
+            let center = move_to_origin(&mut positions, triangles);
             let reversed = linear.is_some_and(|linear| linear.determinant() < 0.0);
             (MeshGeometry::build_oriented(&positions, triangles, reversed), center)
         };
@@ -304,10 +307,15 @@ impl SceneGeometry {
     }
 }
 
-/// Moves points that lie far from the origin by the returned vector; no coordinate is rounded.
-fn move_to_origin(positions: &mut [Vec3]) -> Vec3 {
-    let usable = positions.iter().copied().filter(|p| super::mesh::is_usable(*p));
-    let bounds = usable.fold(Aabb::EMPTY, |b, p| b.union(Aabb { min: p, max: p }));
+/// Moves points, of which triangles lie far from the origin, by the returned vector; no corner of a triangle is rounded.
+fn move_to_origin(positions: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec3 {
+    let corner = |&i: &u32| positions.get(i as usize).copied().filter(|p| super::mesh::is_usable(*p));
+    let point = |p: Vec3| Aabb { min: p, max: p };
+    let bounds_of = |chunk: &[[u32; 3]]| {
+        let corners = chunk.as_flattened().iter().filter_map(corner);
+        corners.map(point).fold(Aabb::EMPTY, Aabb::union)
+    };
+    let bounds = triangles.par_chunks(CHUNK).map(bounds_of).reduce(|| Aabb::EMPTY, Aabb::union);
     if bounds.is_empty() {
         return Vec3::ZERO;
     }

@@ -1,23 +1,29 @@
 //! Is a mesh the boundary of a solid, and which way does it face?
 //!
-//! Positions that are equal to the bit become one vertex (files split vertices at seams), and triangles that share an
-//! edge one component. A component is closed if as many triangles run along each edge in one direction as in the other: then
-//! winding numbers are whole and do not depend on the way. Its orientation follows from the sign of its volume (the divergence theorem, one tetrahedron
-//! a triangle) and from nesting: a component inside another one may face inwards, as a cavity does, but where
-//! the outermost is inside out, all that it holds is taken to be so too.
+//! Positions that are equal to the bit become one vertex (files split vertices at seams; [`super::close_seams`] makes
+//! those equal that differ by roundings), and triangles that share an edge one component; where several solids touch in
+//! an edge, each keeps its own two triangles. A component is closed if as many triangles run along each edge in one
+//! direction as in the other: then winding numbers are whole, and do not depend on the way. Its orientation follows from the sign of its volume (the divergence theorem,
+//! one tetrahedron a triangle) and from nesting: a component inside another one may face inwards, as a cavity does, but
+//! where the outermost is inside out, all that it holds is taken to be so too.
 //!
 //! Triangles with two equal corners and repetitions of a triangle are ignored. Triangles without area are not: they
 //! may join edges.
 
 use super::containment::vote;
 use super::mesh::MeshGeometry;
-use super::ray::MeshHit;
+use super::oriented_sets::OrientedSets;
+use super::ray::{Aabb, MeshHit};
+use super::wedges::{Side, wedges};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The component of a triangle that belongs to none: dropped, with equal corners, or a repetition.
 pub const NO_COMPONENT: u32 = u32::MAX;
+
+/// Triangles of a component that are looked for in others, at most.
+const MOST_SAMPLES: usize = 16;
 
 /// Sample positions kept for messages.
 const LEAK_SAMPLES: usize = 4;
@@ -34,7 +40,7 @@ pub struct Component {
     /// Edges of two triangles that run along it in the same direction.
     pub inconsistent_edges: usize,
     /// Whether it has an inside: as many triangles run along every edge in one direction as in the other. Mostly that is
-    /// one each; bodies that share an edge or a face have two or more.
+    /// one each.
     pub closed: bool,
     /// Closed only because repetitions of triangles count.
     pub repeated: bool,
@@ -63,7 +69,7 @@ pub struct Topology {
 }
 
 /// One triangle's use of an edge: `(lower vertex, upper vertex, triangle << 1 | runs upwards)`.
-type EdgeUse = (u32, u32, u32);
+pub(super) type EdgeUse = (u32, u32, u32);
 
 impl Topology {
     /// Analyses a mesh. Deterministic.
@@ -74,20 +80,34 @@ impl Topology {
     /// As [`Self::analyse`], where it is known which vertices are one: `merged` has the vertices of each triangle, by any
     /// numbers. If it is not as long as there are triangles, equal positions are merged.
     pub fn analyse_merged(mesh: &MeshGeometry, merged: &[[u32; 3]]) -> Self {
-        let vertices =
-            if merged.len() == mesh.triangle_count() { first_corners(merged) } else { merged_vertices(mesh) };
+        let (positions, triangles) = mesh.indexed();
+        let vertices = if merged.len() == mesh.triangle_count() {
+            first_corners(merged)
+        } else {
+            merged_vertices(positions, triangles)
+        };
         let used = distinct_triangles(&vertices);
         let edges = edge_uses(&vertices, &used, mesh.is_reversed());
         let mut sets = OrientedSets::new(vertices.len());
+        let mut solved = HashSet::new();
+        let mut inverted = None;
         for edge in edges.chunk_by(same_edge) {
+            if edge.len() > 3 {
+                let inverted = *inverted.get_or_insert_with(|| is_inverted(mesh, &used));
+                if let Some(pairs) = wedges_at(mesh, edge, inverted) {
+                    pairs.into_iter().for_each(|[a, b]| sets.join(a, b, false));
+                    solved.insert((edge[0].0, edge[0].1));
+                    continue;
+                }
+            }
             for pair in edge.windows(2) {
-                // Across a non-manifold edge there is no telling which sides belong together.
+                // Across another non-manifold edge there is no telling which sides belong together.
                 let same_direction = edge.len() == 2 && pair[0].2 & 1 == pair[1].2 & 1;
                 sets.join(pair[0].2 >> 1, pair[1].2 >> 1, same_direction);
             }
         }
         let mut topology = Self::components(mesh, &used, &mut sets);
-        topology.count_edges(mesh, &edges);
+        topology.count_edges(mesh, &edges, &solved);
         topology.count_repetitions(&vertices, &used, mesh.is_reversed());
         for (component, set) in
             topology.components.iter_mut().zip(&sets.contradictions_of(&topology.component_of))
@@ -102,6 +122,11 @@ impl Topology {
     /// Whether there is a component and all are closed.
     pub fn is_closed(&self) -> bool {
         !self.components.is_empty() && self.components.iter().all(|c| c.closed)
+    }
+
+    /// Whether there are edges of one triangle.
+    pub fn has_open_edges(&self) -> bool {
+        self.components.iter().any(|c| c.open_edges > 0)
     }
 
     /// Whether any triangle must be turned over.
@@ -140,15 +165,17 @@ impl Topology {
         Self { components, component_of, flips: vec![false; used.len()] }
     }
 
-    fn count_edges(&mut self, mesh: &MeshGeometry, edges: &[EdgeUse]) {
+    fn count_edges(&mut self, mesh: &MeshGeometry, edges: &[EdgeUse], solved: &HashSet<(u32, u32)>) {
         for edge in edges.chunk_by(same_edge) {
             let triangle = edge[0].2 >> 1;
             let component = &mut self.components[self.component_of[triangle as usize] as usize];
-            component.closed &= is_balanced(edge);
+            let solved = solved.contains(&(edge[0].0, edge[0].1));
+            component.closed &= solved || is_balanced(edge);
             match edge {
                 [_] => component.open_edges += 1,
                 [a, b] if a.2 & 1 == b.2 & 1 => component.inconsistent_edges += 1,
                 [_, _] => continue,
+                _ if solved => continue,
                 _ => component.non_manifold_edges += 1,
             }
             if component.leaks.len() < LEAK_SAMPLES {
@@ -189,10 +216,19 @@ impl Topology {
         let count = self.components.len();
         // Relative to the majority of its triangles, which are turned over, and the volume once they are.
         let mut turned = vec![0_usize; count];
-        let mut sample = vec![0_u32; count];
+        let mut boxes = vec![Aabb::EMPTY; count];
+        let mut samples: Vec<Vec<u32>> = vec![Vec::new(); count];
+        let mut seen = vec![0_usize; count];
         for (t, &c) in self.component_of.iter().enumerate().filter(|(_, c)| **c != NO_COMPONENT) {
             turned[c as usize] += usize::from(sets.find(t as u32).1);
-            sample[c as usize] = t as u32;
+            let (part, samples) = (&self.components[c as usize], &mut samples[c as usize]);
+            if count > 1 {
+                boxes[c as usize] = boxes[c as usize].union(Aabb::from_points(&mesh.triangle(t as u32)));
+                if seen[c as usize].is_multiple_of(part.triangles.div_ceil(MOST_SAMPLES)) {
+                    samples.push(t as u32);
+                }
+                seen[c as usize] += 1;
+            }
         }
         let mut volume = vec![0.0_f64; count];
         let center = mesh.bounds().center().as_dvec3();
@@ -204,8 +240,7 @@ impl Topology {
                 volume[c as usize] += signed_volume(mesh, t, center) * if minority { -1.0 } else { 1.0 };
             }
         }
-        let extremes = self.extremes(mesh);
-        let holders = self.holders(mesh, &sample, &extremes);
+        let holders = self.holders(mesh, &samples, &boxes);
         for c in 0..count {
             let depth = |h: &usize| (holders[*h].len(), *h);
             self.components[c].inside_of = holders[c].iter().copied().max_by_key(depth);
@@ -217,25 +252,9 @@ impl Topology {
         }
     }
 
-    /// For each component its triangles that reach farthest along the axes, down and up.
-    fn extremes(&self, mesh: &MeshGeometry) -> Vec<[u32; 6]> {
-        let mut found = vec![[(f32::INFINITY, 0); 6]; self.components.len()];
-        for (t, &c) in self.component_of.iter().enumerate().filter(|(_, c)| **c != NO_COMPONENT) {
-            let [a, b, d] = mesh.triangle(t as u32);
-            let (low, high) = (a.min(b).min(d), a.max(b).max(d));
-            for (side, best) in found[c as usize].iter_mut().enumerate() {
-                let reach = if side < 3 { low[side] } else { -high[side - 3] };
-                if reach < best.0 {
-                    *best = (reach, t as u32);
-                }
-            }
-        }
-        found.into_iter().map(|of| of.map(|(_, t)| t)).collect()
-    }
-
-    /// For each closable component the closable components around all of it, given one triangle of each, and those that
-    /// reach farthest.
-    fn holders(&self, mesh: &MeshGeometry, sample: &[u32], extremes: &[[u32; 6]]) -> Vec<Vec<usize>> {
+    /// For each closable component the closable components that hold all of it, given some triangles of each and the
+    /// boxes around them. A component that only crosses another is a solid by itself.
+    fn holders(&self, mesh: &MeshGeometry, samples: &[Vec<u32>], boxes: &[Aabb]) -> Vec<Vec<usize>> {
         let count = self.components.len();
         let closable = |c: usize| self.components[c].closable;
         if (0..count).filter(|&c| closable(c)).count() < 2 {
@@ -245,7 +264,8 @@ impl Topology {
             if !closable(c) {
                 return Vec::new();
             }
-            let p = mesh.point(sample[c], 1.0 / 3.0, 1.0 / 3.0).0;
+            let point = |sample: &u32| mesh.point(*sample, 1.0 / 3.0, 1.0 / 3.0).0;
+            let Some(p) = samples[c].first().map(point) else { return Vec::new() };
             let mut hits: Vec<MeshHit> = Vec::new();
             let mut crossed = Vec::new();
             // Every component that some direction crosses, then a vote on each.
@@ -257,17 +277,13 @@ impl Topology {
             crossed.sort_unstable();
             crossed.dedup();
             crossed.retain(|&k| k != NO_COMPONENT && k as usize != c && closable(k as usize));
-            let odd = |k: u32, p, direction, hits: &mut Vec<MeshHit>| {
+            crossed.retain(|&k| boxes[k as usize].union(boxes[c]) == boxes[k as usize]);
+            let odd = |k: u32, p: Vec3, direction, hits: &mut Vec<MeshHit>| {
                 mesh.intersect_all(&super::Ray::new(p, direction), hits);
                 hits.iter().filter(|h| self.component_of[h.triangle as usize] == k).count() % 2 == 1
             };
-            crossed.retain(|&k| vote(|d| odd(k, p, d, &mut hits)));
-            for &t in &extremes[c] {
-                // Parts that cross each other are not inside of one another.
-                let p = mesh.point(t, 1.0 / 3.0, 1.0 / 3.0).0;
-                crossed.retain(|&k| vote(|d| odd(k, p, d, &mut hits)));
-            }
-            crossed.into_iter().map(|k| k as usize).collect()
+            let mut holds = |k: u32| samples[c].iter().all(|s| vote(|d| odd(k, point(s), d, &mut hits)));
+            crossed.into_iter().filter(|&k| holds(k)).map(|k| k as usize).collect()
         };
         (0..count).into_par_iter().map(around).collect()
     }
@@ -293,8 +309,7 @@ fn first_corners(merged: &[[u32; 3]]) -> Vec<[u32; 3]> {
 }
 
 /// Vertex numbers of each triangle after merging equal positions; three equal numbers for dropped triangles.
-fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
-    let (positions, triangles) = mesh.indexed();
+pub(super) fn merged_vertices(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     // Adding zero makes −0 and 0 the same bits.
     let key = |p: Vec3| (p + 0.0).to_array().map(f32::to_bits);
     let mut order: Vec<([u32; 3], u32)> =
@@ -311,7 +326,7 @@ fn merged_vertices(mesh: &MeshGeometry) -> Vec<[u32; 3]> {
 }
 
 /// False for triangles with equal corners and for repetitions.
-fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
+pub(super) fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
     let lowest_first = |&[a, b, c]: &[u32; 3]| {
         if a < b && a < c {
             [a, b, c]
@@ -332,7 +347,7 @@ fn distinct_triangles(vertices: &[[u32; 3]]) -> Vec<bool> {
     used
 }
 
-fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
+pub(super) fn edge_uses(vertices: &[[u32; 3]], used: &[bool], reversed: bool) -> Vec<EdgeUse> {
     let edges: Vec<EdgeUse> = (0..vertices.len())
         .into_par_iter()
         .filter(|&t| used[t])
@@ -377,8 +392,25 @@ fn is_balanced(edge: &[EdgeUse]) -> bool {
     2 * edge.iter().filter(|use_| use_.2 & 1 == 1).count() == edge.len()
 }
 
-fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {
+pub(super) fn same_edge(a: &EdgeUse, b: &EdgeUse) -> bool {
     (a.0, a.1) == (b.0, b.1)
+}
+
+/// Whether most of the material is behind fronts that face inwards.
+fn is_inverted(mesh: &MeshGeometry, used: &[bool]) -> bool {
+    let center = mesh.bounds().center().as_dvec3();
+    (0..used.len()).filter(|&t| used[t]).map(|t| signed_volume(mesh, t, center)).sum::<f64>() < 0.0
+}
+
+/// Which triangles belong together at an edge of several solids.
+fn wedges_at(mesh: &MeshGeometry, edge: &[EdgeUse], inverted: bool) -> Option<Vec<[u32; 2]>> {
+    let ends = [edge[0].0, edge[0].1].map(|i| mesh.triangle(i / 3)[i as usize % 3]);
+    let side = |&(_, _, use_): &EdgeUse| {
+        let triangle = use_ >> 1;
+        let corner = mesh.triangle(triangle).into_iter().find(|corner| !ends.contains(corner))?;
+        Some(Side { triangle, corner, upwards: (use_ & 1 == 1) != inverted })
+    };
+    wedges(ends, &edge.iter().map(side).collect::<Option<Vec<_>>>()?)
 }
 
 /// Middle of an edge; vertices are numbered by the first corner at their position.
@@ -392,60 +424,4 @@ fn edge_middle(mesh: &MeshGeometry, edge: &[EdgeUse]) -> Option<Vec3> {
 fn signed_volume(mesh: &MeshGeometry, triangle: usize, center: DVec3) -> f64 {
     let [a, b, c] = mesh.triangle(triangle as u32).map(|v| v.as_dvec3() - center);
     a.dot(b.cross(c)) / if mesh.is_reversed() { -6.0 } else { 6.0 }
-}
-
-/// Disjoint sets (Tarjan 1975) of triangles, each with whether it must be turned over to agree with the set's first.
-struct OrientedSets {
-    parent: Vec<u32>,
-    turned: Vec<bool>,
-    contradictions: Vec<u32>,
-}
-
-impl OrientedSets {
-    fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect(), turned: vec![false; count], contradictions: Vec::new() }
-    }
-
-    /// The root, and whether the triangle is turned relative to it.
-    fn find(&mut self, triangle: u32) -> (u32, bool) {
-        let (mut root, mut turned) = (triangle, false);
-        while self.parent[root as usize] != root {
-            turned ^= self.turned[root as usize];
-            root = self.parent[root as usize];
-        }
-        let (mut at, mut rest) = (triangle, turned);
-        while self.parent[at as usize] != root && at != root {
-            let next = self.parent[at as usize];
-            let step = self.turned[at as usize];
-            self.parent[at as usize] = root;
-            self.turned[at as usize] = rest;
-            rest ^= step;
-            at = next;
-        }
-        (root, turned)
-    }
-
-    fn join(&mut self, a: u32, b: u32, opposite: bool) {
-        let ((root_a, turned_a), (root_b, turned_b)) = (self.find(a), self.find(b));
-        let turn = turned_a ^ turned_b ^ opposite;
-        if root_a == root_b {
-            if turn {
-                self.contradictions.push(a);
-            }
-            return;
-        }
-        let (low, high) = (root_a.min(root_b), root_a.max(root_b));
-        self.parent[high as usize] = low;
-        self.turned[high as usize] = turn;
-    }
-
-    /// For each component, whether it has no consistent orientation.
-    fn contradictions_of(&self, component_of: &[u32]) -> Vec<bool> {
-        let count = component_of.iter().filter(|&&c| c != NO_COMPONENT).max().map_or(0, |&c| c as usize + 1);
-        let mut out = vec![false; count];
-        for &t in &self.contradictions {
-            out[component_of[t as usize] as usize] = true;
-        }
-        out
-    }
 }

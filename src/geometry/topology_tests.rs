@@ -25,19 +25,16 @@ fn fixed(mut mesh: Triangles) -> Topology {
     topology
 }
 
-/// Two tetrahedra that share an edge of positions: merged by position, four triangles meet there, and they are one solid of
-/// no volume, since one is wound the other way.
+/// Two tetrahedra that share an edge of positions: merged by position, four triangles meet there.
 #[test]
-fn solids_that_touch_are_closed_where_it_is_known_which_vertices_are_one() {
+fn solids_that_touch_are_closed() {
     let positions = [Vec3::ZERO, Vec3::Z, Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y];
     let first = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     let second = first.map(|t: [u32; 3]| t.map(|i| if i < 2 { i } else { i + 2 }));
     let triangles = [first, second].concat();
     let mesh = MeshGeometry::build(&positions, &triangles);
-    let merged = Topology::analyse(&mesh);
-    assert!(
-        merged.is_closed() && merged.components.len() == 1 && merged.components[0].signed_volume.abs() < 1e-6
-    );
+    let found = Topology::analyse(&mesh);
+    assert!(found.is_closed() && found.components.len() == 2);
     let apart = second.map(|t| t.map(|i| i + 100));
     let known = Topology::analyse_merged(&mesh, &[first, apart].concat());
     assert!(known.is_closed() && known.components.len() == 2);
@@ -105,18 +102,6 @@ fn cavities_and_solids_in_solids_are_right_as_they_are() {
 }
 
 #[test]
-fn a_reversed_part_is_a_cavity_only_where_all_of_it_is_inside() {
-    let block = || cuboid(Vec3::ZERO, Vec3::ONE);
-    let cavity = reverse(cuboid(Vec3::splat(0.2), Vec3::splat(0.8)));
-    assert!(!analyse(&merge(block(), cavity)).needs_flips());
-    // One that reaches out of the block is a solid, wound the other way.
-    let crossing = reverse(cuboid(Vec3::new(-2.0, 0.2, 0.2), Vec3::splat(0.8)));
-    let topology = analyse(&merge(block(), crossing));
-    assert!(!topology.components[0].inside_out && topology.components[1].inside_out);
-    assert_eq!(topology.components[1].inside_of, None);
-}
-
-#[test]
 fn open_and_tangled_meshes_say_where() {
     let mut open = cuboid(Vec3::ZERO, Vec3::ONE);
     open.1.pop();
@@ -130,16 +115,16 @@ fn open_and_tangled_meshes_say_where() {
     let touching =
         merge(cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::new(1.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 1.0)));
     let topology = analyse(&touching);
+    assert!(topology.is_closed() && topology.components.len() == 2);
+    // A wall on a box: no telling what is inside at an edge of three triangles.
+    let mut walled = cuboid(Vec3::ZERO, Vec3::ONE);
+    let top = walled.0.len() as u32;
+    walled.0.extend([Vec3::ZERO, Vec3::Z, Vec3::new(-1.0, -1.0, 0.0)]);
+    walled.1.push([top, top + 1, top + 2]);
+    let topology = analyse(&walled);
     assert_eq!(topology.components.len(), 1);
-    assert_eq!((topology.components[0].non_manifold_edges, topology.components[0].open_edges), (1, 0));
-    assert!(topology.is_closed());
-    // Two that share a face, which is there twice; and one wall between them, which leaves no inside of its own.
-    let halves = merge(cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::X, Vec3::new(2.0, 1.0, 1.0)));
-    assert!(analyse(&halves).is_closed());
-    let mut one_wall = halves.clone();
-    let wall = |t: &[u32; 3]| t.iter().all(|&i| i < 8 && halves.0[i as usize].x == 1.0);
-    one_wall.1.retain(|t| !wall(t));
-    assert!(!analyse(&one_wall).is_closed());
+    assert_eq!((topology.components[0].non_manifold_edges, topology.components[0].open_edges), (1, 2));
+    assert!(!topology.is_closed());
     // Two that touch at a corner are two solids.
     let corner = analyse(&merge(cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::ONE, 2.0 * Vec3::ONE)));
     assert!(corner.is_closed() && corner.components.len() == 2);
@@ -209,4 +194,64 @@ fn repetitions_and_triangles_without_area_change_nothing() {
     let [a, b, c] = turn.unwrap();
     mended.1.extend([[a, 8, c], [8, b, c], [8, a, b]]);
     assert!(analyse(&mended).is_closed());
+}
+
+/// A row of blocks, each sharing a face with the next, whose triangles are equal or not.
+#[test]
+fn solids_that_share_faces_are_solids_of_their_own() {
+    let row = |upper: Triangles| {
+        let blocks = [cuboid(Vec3::ZERO, Vec3::ONE), upper, cuboid(Vec3::Z * 2.0, Vec3::new(1.0, 1.0, 3.0))];
+        blocks.into_iter().reduce(merge).expect("blocks")
+    };
+    let block = cuboid(Vec3::Z, Vec3::new(1.0, 1.0, 2.0));
+    // Turned by a quarter, so that the diagonals of its faces run the other way.
+    let turn = |p: &Vec3| Vec3::new(1.0 - p.y, p.x, p.z);
+    let turned = (block.0.iter().map(turn).collect(), block.1.clone());
+    for mesh in [row(block.clone()), row(turned.clone()), split(&row(turned))] {
+        let topology = analyse(&mesh);
+        assert!(topology.is_closed() && topology.components.len() == 3, "{:?}", topology.components);
+        let whole = |c: &crate::geometry::Component| (c.signed_volume - 1.0).abs() < 1e-6 && !c.inside_out;
+        assert!(topology.components.iter().all(|c| whole(c) && c.inside_of.is_none()));
+        // All of it inside out.
+        let topology = fixed(reverse(mesh));
+        assert!(topology.is_closed() && topology.components.len() == 3);
+    }
+}
+
+/// What faces inwards is a cavity only if it is wholly inside; what crosses is a solid by itself.
+#[test]
+fn parts_that_cross_are_no_cavities() {
+    let one = cuboid(Vec3::ZERO, Vec3::ONE);
+    let crossing = |by: f32| reverse(place(one.clone(), 1.0, Vec3::splat(by)));
+    for by in [0.05, 0.5, 0.95] {
+        let topology = analyse(&merge(one.clone(), crossing(by)));
+        let inside_out: Vec<bool> = topology.components.iter().map(|c| c.inside_out).collect();
+        assert_eq!(inside_out, [false, true], "{by}");
+        let flips: Vec<bool> = (0..24).map(|t| t >= 12).collect();
+        assert_eq!(topology.flips, flips);
+    }
+    let cavity = reverse(place(one.clone(), 0.5, Vec3::splat(0.25)));
+    let topology = analyse(&merge(one, cavity));
+    assert!(!topology.needs_flips() && topology.components[1].inside_of == Some(0));
+}
+
+/// Two halves of which one is inside out have a wall of two equal triangles each: repetitions, without which nothing closes.
+#[test]
+fn equal_triangles_count_where_nothing_is_closed_without_them() {
+    let (near, far) = (cuboid(Vec3::ZERO, Vec3::ONE), cuboid(Vec3::Z, Vec3::new(1.0, 1.0, 2.0)));
+    let mut wall = near.1[2..4].to_vec();
+    wall.iter_mut().for_each(|t| t.swap(1, 2));
+    // The far half's wall has the triangles of the near one's.
+    let at = |far: &Triangles, p: Vec3| far.0.iter().position(|q| *q == p).expect("a corner") as u32;
+    let equal = wall.iter().map(|t| t.map(|i| at(&far, near.0[i as usize])));
+    let rest = far.1[2..].to_vec();
+    let far: Triangles = (far.0.clone(), equal.clone().chain(rest).collect());
+    assert!(analyse(&far).is_closed());
+    let halves = analyse(&merge(near.clone(), reverse(far.clone())));
+    assert!(halves.is_closed() && halves.components.iter().any(|c| c.repeated));
+    assert!(halves.component_of.iter().all(|&c| c != NO_COMPONENT));
+    // One wall between two rooms leaves an edge of three triangles.
+    let mut one_wall = far;
+    one_wall.1.drain(..2);
+    assert!(!analyse(&merge(near, one_wall)).is_closed());
 }

@@ -80,6 +80,14 @@ impl Camera {
     }
 }
 
+impl CameraDescription {
+    /// The index of a camera, by its name or else by its index as text.
+    pub fn find(cameras: &[Self], wanted: &str) -> Option<usize> {
+        let by_name = cameras.iter().position(|camera| camera.name == wanted);
+        by_name.or_else(|| wanted.parse().ok().filter(|&index| index < cameras.len()))
+    }
+}
+
 /// A camera that sees all of a bounding box: three-quarter view from slightly above.
 pub fn auto_camera(min: Vec3, max: Vec3, aspect: f32) -> CameraDescription {
     let centre = 0.5 * (min + max);

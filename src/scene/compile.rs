@@ -78,14 +78,22 @@ impl Scene {
             .collect();
         let instances: Vec<_> = description.instances.iter().map(|i| (i.mesh, i.transform)).collect();
         let mut geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
-        let topologies: Vec<Option<Topology>> = (0..description.meshes.len())
-            .map(|mesh| {
-                let instance = instances.iter().position(|i| i.0 == mesh)?;
-                let merged = &description.meshes[mesh].merged;
-                holds_medium[mesh]
-                    .then(|| Topology::analyse_merged(geometry.mesh_of(instance as u32), merged))
-            })
-            .collect();
+        let analyse = |geometry: &SceneGeometry, mesh: &MeshDescription, index: usize| {
+            let instance = instances.iter().position(|i| i.0 == index)?;
+            Some(Topology::analyse_merged(geometry.mesh_of(instance as u32), &mesh.merged))
+        };
+        let meshes = description.meshes.iter().enumerate();
+        let topology = |(i, mesh)| if holds_medium[i] { analyse(&geometry, mesh, i) } else { None };
+        let mut topologies: Vec<Option<Topology>> = meshes.map(topology).collect();
+        let open = |t: &Option<Topology>| t.as_ref().is_some_and(Topology::has_open_edges);
+        let mut torn: Vec<usize> = (0..topologies.len()).filter(|&mesh| open(&topologies[mesh])).collect();
+        torn.retain(|&mesh| description.close_seams(mesh) > 0);
+        if !torn.is_empty() {
+            geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
+            for mesh in torn {
+                topologies[mesh] = analyse(&geometry, &description.meshes[mesh], mesh);
+            }
+        }
         if turn_inside_out(&mut description, &topologies) {
             geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub use super::image::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
 use super::Layers;
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +29,12 @@ pub struct SceneDescription {
     pub lights: Vec<PunctualLight>,
     /// Light from infinitely far away.
     pub environment: EnvironmentDescription,
+    /// Where the zero of all positions here is in the world of the file. Single precision counts from here; what is
+    /// told of positions adds it. Zero unless the file puts things far away, measured by their size.
+    pub origin: DVec3,
+    /// How far the ends of open edges of a mesh with a medium may be apart and yet be one, in metres: then they are put
+    /// into one place. By default 1e-5 of the largest coordinate of the mesh; 0 for none.
+    pub weld_tolerance: Option<f32>,
 }
 
 /// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as
@@ -56,14 +62,6 @@ pub struct MeshDescription {
     /// The triangles by vertices of which those that are one have been merged, as long as `triangles`; every edge then
     /// has two triangles of opposite direction. Empty where equal positions are to be taken for one vertex.
     pub merged: Vec<[u32; 3]>,
-}
-
-impl MeshDescription {
-    /// Lower and upper corner of the bounding box of the positions; zero for a mesh without any.
-    pub fn bounds(&self) -> [Vec3; 2] {
-        let Some(&first) = self.positions.first() else { return [Vec3::ZERO; 2] };
-        self.positions.iter().fold([first; 2], |[low, high], &p| [low.min(p), high.max(p)])
-    }
 }
 
 /// The material index of a triangle that names no material.

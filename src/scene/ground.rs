@@ -12,15 +12,6 @@ const GAP: f32 = 1e-4;
 const CORNERS: u32 = 64;
 
 impl SceneDescription {
-    /// Lower and upper corner of the box around all instances; `None` where there is nothing.
-    pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let meshes = self.instances.iter().filter_map(|i| Some((i, self.meshes.get(i.mesh)?)));
-        let points = meshes.flat_map(|(i, m)| m.positions.iter().map(|&p| i.transform.transform_point3(p)));
-        let grow = |[low, high]: [Vec3; 2], p: Vec3| [low.min(p), high.max(p)];
-        let bounds = points.filter(|p| p.is_finite()).map(|p| [p, p]).reduce(|b, [p, _]| grow(b, p));
-        bounds.filter(|[low, high]| (*high - *low).is_finite())
-    }
-
     /// The height of a horizontal plane just below everything; `None` for a scene without anything.
     pub fn ground_height(&self) -> Option<f32> {
         self.bounds().map(height_below)

@@ -1,7 +1,7 @@
 //! What a material may have beyond metallic-roughness and a refracting boundary: layers on top of it, and other shapes of
 //! its lobes. Most materials have none of it, so it is kept apart from what every hit reads.
 
-use super::{MaterialDescription, TextureRef};
+use super::{AlphaMode, MaterialDescription, TextureRef};
 use glam::Vec3;
 
 /// Everything optional about a surface. `None` is as if the extension were not there.
@@ -169,6 +169,11 @@ impl MaterialDescription {
     pub fn is_see_through(&self) -> bool {
         let diffuse = || self.layers.as_ref()?.diffuse_transmission.as_ref().filter(|d| d.factor > 0.0);
         self.transmission > 0.0 || diffuse().is_some()
+    }
+
+    /// Whether nothing behind the surface can be seen through it: no blending, no transmission, no medium.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha_mode != AlphaMode::Blend && !self.is_see_through() && self.medium.is_none()
     }
 
     /// 20 over the Abbe number; 0 where all wavelengths refract alike.

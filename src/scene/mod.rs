@@ -4,6 +4,7 @@
 //! acceleration structures, lights, and for every object with a medium what transport wants to know (is it closed,
 //! does it contain anything else, which of two overlapping objects wins).
 
+pub(crate) mod bounds;
 mod camera;
 mod compile;
 pub mod description;
@@ -16,6 +17,7 @@ pub mod layers;
 mod material;
 mod object;
 mod pyramid;
+mod seams;
 mod surface;
 pub mod texture;
 
@@ -27,4 +29,5 @@ pub use layers::Layers;
 pub use material::Shading;
 pub use object::{Intruder, NEARLY_SMOOTH, Object};
 pub use pyramid::Pyramid;
+pub use seams::Analysed;
 pub use surface::Surface;

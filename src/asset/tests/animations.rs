@@ -34,7 +34,7 @@ fn at(b: &Builder, time: f64) -> Loaded {
 }
 
 fn origin(loaded: &Loaded) -> Vec3 {
-    loaded.scene.instances[0].transform.translation.into()
+    (loaded.scene.origin + loaded.scene.instances[0].transform.translation.as_dvec3()).as_vec3()
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod animations;
 mod containers;
+mod far;
 mod hostile;
 mod materials;
 mod meshes;

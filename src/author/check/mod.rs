@@ -4,9 +4,11 @@
 //! that do not hold a medium, units that were mixed up, bodies that overlap, and what other viewers will show instead. What
 //! the loader has to say of the file comes first.
 
+mod contact;
 mod material;
 mod overlap;
 mod shape;
+mod triangles;
 
 use super::AuthoredFile;
 use super::nephrite::{self, NAME};
@@ -28,8 +30,8 @@ pub fn check(file: &AuthoredFile, loaded: Result<&Loaded, &AssetError>) -> Vec<D
         Ok(loaded) => {
             found.extend(loaded.diagnostics.iter().cloned());
             material::check(file.document(), &loaded.scene, &mut found);
-            let bodies = shape::check(file.document(), &loaded.scene, &mut found);
-            overlap::check(&loaded.scene, &bodies, &mut found);
+            let (bodies, shapes) = shape::check(file.document(), &loaded.scene, &mut found);
+            overlap::check(&loaded.scene, &bodies, &shapes, &mut found);
         }
     }
     found.sort_by_key(|d| std::cmp::Reverse(d.severity));

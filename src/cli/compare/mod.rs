@@ -14,8 +14,9 @@ use super::job::{cannot_write, check_output, check_pixels, file_name, write_text
 use super::message::Reporter;
 use super::pipeline::{self, Registry};
 use super::progress::Progress;
-use super::setup::{Prepared, Size, report_counters};
+use super::setup::{Prepared, Size};
 use super::stats::Work;
+use super::warnings::report_counters;
 use crate::film::compare::{Comparison, Halves};
 use crate::film::figure;
 use crate::film::{Film, Format};
@@ -226,7 +227,13 @@ impl<'a> Bench<'a> {
                 }
                 *done += pixels * u64::from(spp);
                 let samples = pixels as f64 * f64::from(spp);
-                report_counters(&rendered.stats, samples, &format!("{name}: "), self.reporter);
+                report_counters(
+                    &rendered.stats,
+                    &prepared.scene,
+                    samples,
+                    &format!("{name}: "),
+                    self.reporter,
+                );
                 films.push(rendered.film);
             }
             Ok(true)

@@ -10,12 +10,13 @@ use super::Failure;
 use super::args::InspectArgs;
 use super::message::Reporter;
 use super::pipeline;
+use crate::asset::LoadOptions;
 use report::Report;
 use std::io::{ErrorKind, Write};
 
 /// Inspects as the arguments say.
 pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let mut asset = pipeline::open(&args.load, args.scene, None, false)?;
+    let mut asset = pipeline::open_with(&args.load, LoadOptions { scene: args.scene, ..Default::default() })?;
     let moment = args.play.moment(&asset, false, &Reporter::new(false))?;
     let loaded = pipeline::load(&args.load.input, &mut asset, &moment)?;
     let report = Report::new(&args.load.input, &loaded);

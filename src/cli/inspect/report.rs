@@ -6,9 +6,9 @@
 //! | `single_scattering_albedo` | α = σs / σt | survival at one event |
 //! | `effective_albedo` | ρ = (1 − s)(1 − 0.139 s) / (1 + 1.17 s), s = √((1 − α) / (1 − g α)) | diffuse reflectance of infinite depth without a boundary, van de Hulst's fit (Multiple Light Scattering, 1980, via Kulla and Conty 2017) |
 
-use crate::cli::pipeline::{Diagnostic, Loaded, Summary, topology};
-use crate::geometry::Topology;
-use crate::scene::{InstanceDescription, MediumDescription, SceneDescription};
+use crate::cli::pipeline::{Diagnostic, Loaded, Summary};
+use crate::scene::{Analysed, InstanceDescription, MediumDescription, SceneDescription};
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -55,6 +55,8 @@ pub(super) struct ObjectReport {
     pub closed: bool,
     /// Connected parts.
     pub parts: usize,
+    /// Vertices that are put where others are, which closes seams.
+    pub welded_vertices: usize,
     /// Parts that are not closed.
     pub open_parts: usize,
     /// Parts that face the wrong way and are turned.
@@ -81,7 +83,7 @@ impl<'a> Report<'a> {
 
 fn media(scene: &SceneDescription) -> Vec<MediumReport> {
     // Found once for a mesh, however often it is placed.
-    let mut topologies: HashMap<usize, Topology> = HashMap::new();
+    let mut analysed: HashMap<usize, Analysed<'_>> = HashMap::new();
     let mut reports = Vec::new();
     for (index, material) in scene.materials.iter().enumerate() {
         let Some(medium) = &material.medium else { continue };
@@ -89,8 +91,8 @@ fn media(scene: &SceneDescription) -> Vec<MediumReport> {
         for instance in &scene.instances {
             let Some(mesh) = scene.meshes.get(instance.mesh) else { continue };
             if mesh.triangle_materials.iter().any(|&m| m as usize == index) {
-                let topology = topologies.entry(instance.mesh).or_insert_with(|| topology(mesh));
-                objects.push(object(instance, topology));
+                let found = analysed.entry(instance.mesh).or_insert_with(|| scene.analyse(instance.mesh));
+                objects.push(object(instance, found, scene.origin));
             }
         }
         reports.push(MediumReport {
@@ -129,26 +131,27 @@ fn effective_albedo(albedo: f32, g: f32) -> f32 {
     (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s)
 }
 
-fn object(instance: &InstanceDescription, topology: &Topology) -> ObjectReport {
-    let parts = &topology.components;
+fn object(instance: &InstanceDescription, found: &Analysed<'_>, origin: DVec3) -> ObjectReport {
+    let parts = &found.topology.components;
+    let world = |p: Vec3| (instance.transform.transform_point3(p).as_dvec3() + origin).as_vec3();
     let leaks = parts.iter().filter(|part| !part.closable).flat_map(|part| &part.leaks);
     ObjectReport {
         name: instance.name.clone(),
         pointer: instance.pointer.clone(),
         closed: !parts.is_empty() && parts.iter().all(|part| part.closable),
         parts: parts.len(),
+        welded_vertices: found.moved,
         open_parts: parts.iter().filter(|part| !part.closable).count(),
         inside_out_parts: parts.iter().filter(|part| part.inside_out).count(),
         open_edges: parts.iter().map(|part| part.open_edges).sum(),
         non_manifold_edges: parts.iter().map(|part| part.non_manifold_edges).sum(),
-        leaks: leaks.take(MOST_LEAKS).map(|&p| instance.transform.transform_point3(p).to_array()).collect(),
+        leaks: leaks.take(MOST_LEAKS).map(|&p| world(p).to_array()).collect(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn the_effective_albedo_is_that_of_the_published_fit() {

@@ -144,10 +144,14 @@ fn describe_medium(out: &mut String, medium: &MediumReport) -> std::fmt::Result 
 }
 
 fn closedness(object: &ObjectReport) -> String {
+    let welded = match object.welded_vertices {
+        0 => String::new(),
+        n => format!("; seams are welded, which moves {}", count(n, "vertex", "vertices")),
+    };
     if object.closed {
         return match object.inside_out_parts {
-            0 => "closed".to_owned(),
-            n => format!("closed; {} inside out and turned", count(n, "part is", "parts are")),
+            0 => format!("closed{welded}"),
+            n => format!("closed; {} inside out and turned{welded}", count(n, "part is", "parts are")),
         };
     }
     let mut why = Vec::new();

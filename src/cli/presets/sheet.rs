@@ -188,11 +188,12 @@ fn sphere(radius: f32) -> MeshDescription {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{MeshGeometry, Topology};
 
     #[test]
     fn the_sphere_is_closed_and_faces_outwards() {
         let mesh = sphere(0.02);
-        let topology = pipeline::topology(&mesh);
+        let topology = Topology::analyse(&MeshGeometry::build(&mesh.positions, &mesh.triangles));
         assert_eq!(topology.components.len(), 1);
         let part = &topology.components[0];
         assert!(part.closed && !part.inside_out);

@@ -13,7 +13,8 @@ use std::io::{ErrorKind, Write as _};
 
 /// Validates as the arguments say.
 pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    let options = LoadOptions { scene: args.scene, ..Default::default() };
+    let options =
+        LoadOptions { scene: args.scene, weld_tolerance: args.weld_tolerance, ..Default::default() };
     let file = AuthoredFile::read(&args.input, &options.limits).map_err(|e| cannot_read(&args.input, &e))?;
     let loaded = load_bytes(file.bytes().to_vec(), &directory_of(&args.input), &options);
     let found = check::check(&file, loaded.as_ref());
@@ -41,8 +42,7 @@ pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{kind}: {diagnostic}{more}");
         }
-        let _ =
-            writeln!(text, "{}: {errors} errors, {warnings} warnings, {notes} notes", args.input.display());
+        let _ = writeln!(text, "{}: {}", args.input.display(), counted([errors, warnings, notes]));
     }
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(Failure::cannot(error)),
@@ -53,4 +53,11 @@ pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         1 => Err(Failure::cannot(format!("{} has 1 error", args.input.display()))),
         n => Err(Failure::cannot(format!("{} has {n} errors", args.input.display()))),
     }
+}
+
+/// “1 error, 2 warnings, 0 notes”.
+fn counted(counts: [usize; 3]) -> String {
+    let named = counts.into_iter().zip(["error", "warning", "note"]);
+    let named = named.map(|(n, what)| format!("{n} {what}{}", if n == 1 { "" } else { "s" }));
+    named.collect::<Vec<_>>().join(", ")
 }
