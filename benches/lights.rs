@@ -4,7 +4,7 @@
 //! `cargo bench --bench lights`
 
 use glam::{Vec2, Vec3};
-use nephrite::light::{EmissiveRadiance, EmissiveTriangle, Lights};
+use nephrite::light::{EmissiveRadiance, EmissiveTriangle, LightPoint, Lights};
 use nephrite::sampling::SmallRng;
 use nephrite::scene::{EnvironmentDescription, PunctualKind, PunctualLight};
 use std::f32::consts::PI;
@@ -96,8 +96,7 @@ fn measure(n: usize, kind: &str, built: f64, lights: &Lights) {
     let sampled = start.elapsed().as_secs_f64() * 1e9 / f64::from(SAMPLES);
     let start = Instant::now();
     for (point, s) in &found {
-        if let Some(id) = s.emitter {
-            let position = *point + s.distance * s.direction;
+        if let LightPoint::Emitter(id, position) = s.point {
             black_box(lights.emitter_pdf(id, *point, Some(Vec3::Y), position));
         }
     }

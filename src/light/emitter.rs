@@ -1,23 +1,31 @@
 //! A triangle that emits, seen from a point: how much light it may send, and sampling its solid angle.
 //!
-//! Where the triangle is seen under a moderate solid angle, directions are uniform over it (Arvo 1995), otherwise
-//! points are uniform over its area (small spherical triangles are lost to rounding) or directions are uniform over
-//! the whole hemisphere, which a nearly touching triangle fills. Either way the density is known from the point and
-//! the position alone, so any hit can be weighed.
+//! Directions are uniform over the solid angle, in double precision where the triangle is close
+//! ([`CloseTriangle`]), or points are uniform over its area where it is far and small, since spherical triangles are
+//! then lost to rounding. Which of them is a function of the point alone, so the density of any point of the emitter is
+//! known from both.
+//!
+//! Heights above the plane are taken in double precision: a lamp may nearly touch what it lights, and its normal in single
+//! floats is off by as much as that.
 
 use std::{fmt, sync::Arc};
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::cone::Cone;
 use super::tree::LightBounds;
-use crate::sampling::{Frame, SphericalTriangle, spherical_triangle::solid_angle, warp};
+use crate::sampling::{CloseTriangle, SphericalTriangle, spherical_triangle::solid_angle, warp};
 
 /// Solid angle below which points on the area are sampled, steradians.
 const MIN_SPHERICAL: f32 = 3e-4;
 
-/// Solid angle above which the hemisphere is sampled: 1 % of its directions miss.
-const MAX_SPHERICAL: f32 = 6.22;
+/// Height of the point over the distance of the farthest vertex, below which directions to vertices may be opposite, or all
+/// of them near the horizon, to within 0.1.
+const LOW: f32 = 0.1;
+
+/// Distance of the farthest vertex over the longest edge, up to which a low triangle counts as close: from farther all of it
+/// is seen in about the same direction.
+const BESIDE: f32 = 2.0;
 
 /// Squared distance over area beyond which the solid angle is that of a small flat patch (to a few per cent
 /// of a compact one).
@@ -71,9 +79,10 @@ pub struct EmissiveTriangle {
     pub radiance: EmissiveRadiance,
 }
 
-/// A point or direction chosen on an emitter.
+/// A point chosen on an emitter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmitterSample {
+    pub position: Vec3,
     pub direction: Vec3,
     pub distance: f32,
     pub radiance: Vec3,
@@ -81,13 +90,26 @@ pub(super) struct EmitterSample {
     pub pdf: f32,
 }
 
+/// How a point sees an emitter, which decides how it is sampled.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum View {
+    /// Its solid angle, in single floats.
+    Moderate,
+    /// Its solid angle, in double precision.
+    Close,
+    /// Its area.
+    Small,
+}
+
 /// An emissive triangle with what its sampling needs.
 #[derive(Clone, Debug)]
 pub(super) struct Emitter {
     pub source: EmissiveTriangle,
     /// Unit normal of the front.
-    normal: Vec3,
+    normal: DVec3,
     pub area: f32,
+    /// Squared length of the longest edge.
+    longest: f32,
     /// Mean radiance over the area and the channels.
     radiance: f32,
 }
@@ -95,17 +117,18 @@ pub(super) struct Emitter {
 impl Emitter {
     /// `None` for a triangle without area or (finite) power.
     pub(super) fn new(source: EmissiveTriangle) -> Option<Self> {
-        let [v0, v1, v2] = source.vertices;
+        let [v0, v1, v2] = source.vertices.map(|v| v.as_dvec3());
         let cross = (v1 - v0).cross(v2 - v0);
         let normal = cross.try_normalize()?;
-        let area = 0.5 * cross.length();
+        let area = 0.5 * cross.length() as f32;
+        let longest = [v1 - v0, v2 - v1, v0 - v2].map(|e| e.length_squared()).into_iter().fold(0.0, f64::max);
         let sides = if source.double_sided { 2.0 } else { 1.0 };
         let radiance = source.power.element_sum() / 3.0 / (std::f32::consts::PI * area * sides);
         if !(radiance > 0.0 && radiance.is_finite() && area > 0.0) {
             return None;
         }
-        let normal = if normal.dot(source.geometric_normal) < 0.0 { -normal } else { normal };
-        Some(Self { normal, area, radiance, source })
+        let normal = if normal.dot(source.geometric_normal.as_dvec3()) < 0.0 { -normal } else { normal };
+        Some(Self { normal, area, longest: longest as f32, radiance, source })
     }
 
     /// For a light tree.
@@ -115,7 +138,7 @@ impl Emitter {
             low: a.min(b).min(c),
             high: a.max(b).max(c),
             cone: Cone {
-                axis: self.normal,
+                axis: self.normal.as_vec3(),
                 axes: 0.0,
                 spread: std::f32::consts::FRAC_PI_2,
                 two_sided: self.source.double_sided,
@@ -125,10 +148,16 @@ impl Emitter {
         }
     }
 
+    /// Height of the point above the front, < 0 behind it.
+    #[inline]
+    fn signed_height(&self, point: Vec3) -> f64 {
+        self.normal.dot(point.as_dvec3() - self.source.vertices[0].as_dvec3())
+    }
+
     /// Height of the point above the emitting side(s), ≤ 0 where nothing is emitted to.
     #[inline]
     fn height(&self, point: Vec3) -> f32 {
-        let height = self.normal.dot(point - self.source.vertices[0]);
+        let height = self.signed_height(point) as f32;
         if self.source.double_sided { height.abs() } else { height }
     }
 
@@ -155,6 +184,24 @@ impl Emitter {
         self.radiance * solid_angle * cosines
     }
 
+    /// How the emitter is sampled from a point at a height above it, that sees its vertices at `edges` under a solid angle.
+    #[inline]
+    fn view(&self, edges: &[Vec3; 3], height: f32, solid_angle: f32) -> View {
+        let farthest = edges.map(Vec3::length_squared).into_iter().fold(0.0, f32::max);
+        if height * height < LOW * LOW * farthest && farthest < BESIDE * BESIDE * self.longest {
+            View::Close
+        } else if solid_angle >= MIN_SPHERICAL {
+            View::Moderate
+        } else {
+            View::Small
+        }
+    }
+
+    /// The triangle as it is seen from a point close to it.
+    fn close(&self, point: Vec3) -> Option<CloseTriangle> {
+        CloseTriangle::new(self.source.vertices.map(|v| v.as_dvec3() - point.as_dvec3()))
+    }
+
     /// A direction towards the emitter; `None` where it does not emit to the point.
     #[inline]
     pub(super) fn sample(&self, point: Vec3, u: Vec2) -> Option<EmitterSample> {
@@ -163,40 +210,33 @@ impl Emitter {
             return None;
         }
         let [v0, v1, v2] = self.source.vertices;
-        let triangle =
-            SphericalTriangle::with_volume(self.source.vertices.map(|v| v - point), 2.0 * self.area * height);
-        if triangle.solid_angle >= MIN_SPHERICAL {
-            let (direction, pdf) = if triangle.solid_angle <= MAX_SPHERICAL {
-                (triangle.sample(u)?, 1.0 / triangle.solid_angle)
-            } else {
-                let towards = self.normal * self.normal.dot(v0 - point).signum();
-                let direction = Frame::from_normal(towards).to_world(warp::uniform_hemisphere(u));
-                (direction, warp::UNIFORM_HEMISPHERE_PDF)
-            };
-            let distance = self.normal.dot(v0 - point) / self.normal.dot(direction);
-            if !(distance > 0.0 && distance.is_finite()) {
-                return None;
+        let edges = self.source.vertices.map(|v| v - point);
+        let triangle = SphericalTriangle::with_volume(edges, 2.0 * self.area * height);
+        let (direction, pdf) = match self.view(&edges, height, triangle.solid_angle) {
+            View::Moderate => (triangle.sample(u)?.as_dvec3(), 1.0 / triangle.solid_angle),
+            View::Close => {
+                let triangle = self.close(point)?;
+                (triangle.sample(u), (1.0 / triangle.solid_angle) as f32)
             }
-            let position = point + distance * direction;
-            if triangle.solid_angle > MAX_SPHERICAL {
-                let b = self.barycentrics(position);
-                if b.min_element() < 0.0 || b.element_sum() > 1.0 {
-                    return None;
-                }
+            View::Small => {
+                let barycentrics = warp::uniform_triangle(u);
+                let position = v0 + barycentrics.x * (v1 - v0) + barycentrics.y * (v2 - v0);
+                let (to, distance) = self.towards(point, position);
+                let pdf = self.area_density(to, distance)?;
+                let direction = (to / distance).as_vec3();
+                let radiance = self.radiance_at(direction, || barycentrics);
+                return Some(EmitterSample { position, direction, distance: distance as f32, radiance, pdf });
             }
-            let radiance =
-                self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
-            return Some(EmitterSample { direction, distance, radiance, pdf });
+        };
+        let distance = -self.signed_height(point) / self.normal.dot(direction);
+        if !(distance > 0.0 && distance.is_finite()) {
+            return None;
         }
-        let barycentrics = warp::uniform_triangle(u);
-        let position = v0 + barycentrics.x * (v1 - v0) + barycentrics.y * (v2 - v0);
-        let (direction, distance, pdf) = self.area_density(point, position)?;
-        Some(EmitterSample {
-            direction,
-            distance,
-            radiance: self.radiance_at(direction, || barycentrics),
-            pdf,
-        })
+        let position = (point.as_dvec3() + distance * direction).as_vec3();
+        let (direction, distance) = (direction.as_vec3(), distance as f32);
+        let radiance =
+            self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
+        Some(EmitterSample { position, direction, distance, radiance, pdf })
     }
 
     /// Density of [`Self::sample`] with respect to solid angle for the direction to `position`, a point of the emitter.
@@ -206,25 +246,60 @@ impl Emitter {
         if height <= 0.0 {
             return 0.0;
         }
-        let solid_angle = solid_angle(self.source.vertices.map(|v| v - point), 2.0 * self.area * height);
-        if solid_angle > MAX_SPHERICAL {
-            return warp::UNIFORM_HEMISPHERE_PDF;
+        let edges = self.source.vertices.map(|v| v - point);
+        let solid_angle = solid_angle(edges, 2.0 * self.area * height);
+        match self.view(&edges, height, solid_angle) {
+            View::Moderate => 1.0 / solid_angle,
+            View::Close => self.close(point).map_or(0.0, |t| (1.0 / t.solid_angle) as f32),
+            View::Small => {
+                let (to, distance) = self.towards(point, position);
+                self.area_density(to, distance).unwrap_or(0.0)
+            }
         }
-        if solid_angle >= MIN_SPHERICAL {
-            return 1.0 / solid_angle;
-        }
-        self.area_density(point, position).map_or(0.0, |(_, _, pdf)| pdf)
     }
 
-    /// Direction, distance and density with respect to solid angle of uniform points.
+    /// From a point to one of the emitter, at the point's own height above the plane, and the distance.
     #[inline]
-    fn area_density(&self, point: Vec3, position: Vec3) -> Option<(Vec3, f32, f32)> {
-        let to_light = position - point;
-        let distance_squared = to_light.length_squared();
-        let distance = distance_squared.sqrt();
-        let direction = to_light / distance;
-        let pdf = distance_squared / (self.normal.dot(direction).abs() * self.area);
-        (pdf > 0.0 && pdf.is_finite()).then_some((direction, distance, pdf))
+    fn towards(&self, point: Vec3, position: Vec3) -> (DVec3, f64) {
+        let to = position.as_dvec3() - point.as_dvec3();
+        let to = to - self.normal * (self.normal.dot(to) + self.signed_height(point));
+        (to, to.length())
+    }
+
+    /// The unit direction from a point to one of the emitter; `None` where they are the same.
+    pub(super) fn towards_unit(&self, point: Vec3, position: Vec3) -> Option<Vec3> {
+        let (to, distance) = self.towards(point, position);
+        (distance > 0.0).then(|| (to / distance).as_vec3())
+    }
+
+    /// Density with respect to solid angle of uniform points.
+    #[inline]
+    fn area_density(&self, to: DVec3, distance: f64) -> Option<f32> {
+        let pdf = (distance.powi(3) / (self.normal.dot(to).abs() * f64::from(self.area))) as f32;
+        (pdf > 0.0 && pdf.is_finite()).then_some(pdf)
+    }
+
+    /// The solid angle of a small part of the emitter at `position`, seen from one point, over that seen from another.
+    #[inline]
+    pub(super) fn solid_angle_ratio(&self, one: Vec3, other: Vec3, position: Vec3) -> f32 {
+        let seen = |point: Vec3| {
+            let (to, distance) = self.towards(point, position);
+            self.normal.dot(to).abs() / distance.powi(3)
+        };
+        (seen(one) / seen(other)) as f32
+    }
+
+    /// A point of the emitter seen from elsewhere: direction, distance and radiance. `None` where it does not emit to there.
+    #[inline]
+    pub(super) fn seen_from(&self, point: Vec3, position: Vec3) -> Option<(Vec3, f32, Vec3)> {
+        if self.height(point) <= 0.0 {
+            return None;
+        }
+        let (to, distance) = self.towards(point, position);
+        let direction = (to / distance).as_vec3();
+        let radiance =
+            self.radiance_at(direction, || self.barycentrics(position).clamp(Vec2::ZERO, Vec2::ONE));
+        (distance > 0.0).then_some((direction, distance as f32, radiance))
     }
 
     #[inline]
@@ -232,7 +307,7 @@ impl Emitter {
         match &self.source.radiance {
             EmissiveRadiance::Constant(radiance) => *radiance,
             EmissiveRadiance::Textured(field) => {
-                let cos = self.normal.dot(direction).abs();
+                let cos = self.normal.as_vec3().dot(direction).abs().max(f32::MIN_POSITIVE);
                 field.radiance(self.source.instance, self.source.triangle, barycentrics(), cos)
             }
         }

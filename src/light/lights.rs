@@ -17,6 +17,7 @@ use super::{
     many::{ManyPunctual, facing_irradiance},
     mixture::{FEW, Mixture},
     nearest::Lamps,
+    point::LightPoint,
     punctual,
     tree::{LightTree, finer},
 };
@@ -43,21 +44,18 @@ pub struct LightSample {
     pub radiance: Vec3,
     /// Solid angle density × probability of the choice; the probability alone for punctual lights.
     pub pdf: f32,
-    /// Whether no other technique can find this light (punctual lights), so that it takes no MIS weight.
-    pub delta: bool,
-    /// The emissive triangle, if it is one.
-    pub emitter: Option<EmitterId>,
+    /// What was chosen.
+    pub point: LightPoint,
 }
 
-/// Where lights are weighed against each other, when one is chosen. Usually the lit point itself; two points that use the
-/// same one choose the same light with the same random number.
+/// Where a light is chosen: the lit point, or another from which it is looked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor {
     /// World position.
     pub point: Vec3,
     /// Only light from this side counts; `None`: all light.
     pub normal: Option<Vec3>,
-    /// Light of the environment from about this side is enough, since the rest can be found by chance.
+    /// Light of the environment from about this side is enough: the rest can be found by chance.
     pub about: Option<Vec3>,
 }
 
@@ -82,9 +80,9 @@ impl Anchor {
 #[derive(Clone, Debug)]
 pub struct Lights {
     environment: Environment,
-    punctual: Vec<PunctualLight>,
+    pub(super) punctual: Vec<PunctualLight>,
     /// Sorted by instance and triangle.
-    emitters: Vec<Emitter>,
+    pub(super) emitters: Vec<Emitter>,
     /// First emitter of each instance, with the number of emitters at the end; empty without emitters.
     first_of_instance: Vec<u32>,
     /// Where there are more than [`FEW`].
@@ -197,13 +195,13 @@ impl Lights {
     /// sample of value zero).
     #[inline]
     pub fn sample(&self, point: Vec3, normal: Option<Vec3>, u_select: f32, u: Vec2) -> Option<LightSample> {
-        self.sample_at(point, &Anchor::at(point, normal), u_select, u)
+        self.sample_at(&Anchor::at(point, normal), u_select, u)
     }
 
-    /// As [`Self::sample`], choosing the light as seen from elsewhere.
+    /// As [`Self::sample`].
     #[inline]
-    pub fn sample_at(&self, point: Vec3, anchor: &Anchor, u_select: f32, u: Vec2) -> Option<LightSample> {
-        let normal = anchor.normal;
+    pub fn sample_at(&self, anchor: &Anchor, u_select: f32, u: Vec2) -> Option<LightSample> {
+        let Anchor { point, normal, .. } = *anchor;
         let choice = self.choice(anchor);
         let (group, group_probability, rest) = choice.groups.sample(u_select)?;
         match group {
@@ -214,13 +212,12 @@ impl Lights {
                     distance: f32::INFINITY,
                     radiance: s.radiance,
                     pdf: s.pdf * group_probability,
-                    delta: false,
-                    emitter: None,
+                    point: LightPoint::Environment(s.direction),
                 })
             }
             PUNCTUAL => {
                 let (i, probability) = match (&choice.punctual, &self.many_punctual) {
-                    (_, Some(many)) => many.sample(&self.punctual, (anchor.point, normal), finer(rest, u))?,
+                    (_, Some(many)) => many.sample(&self.punctual, (point, normal), finer(rest, u))?,
                     (mixture, None) => mixture.as_ref()?.sample(rest).map(|(i, p, _)| (i, p))?,
                 };
                 let p = punctual::irradiance(&self.punctual[i], point)?;
@@ -229,15 +226,14 @@ impl Lights {
                     distance: p.distance,
                     radiance: p.irradiance,
                     pdf: probability * group_probability,
-                    delta: true,
-                    emitter: None,
+                    point: LightPoint::Punctual(i as u32),
                 })
             }
             _ => {
                 let (i, probability) = match (&choice.emitters, &self.emitter_tree) {
                     (_, Some(tree)) => {
-                        let exact = |i: usize| self.emitters[i].importance(anchor.point, normal);
-                        tree.sample((anchor.point, normal), finer(rest, u), exact)?
+                        let exact = |i: usize| self.emitters[i].importance(point, normal);
+                        tree.sample((point, normal), finer(rest, u), exact)?
                     }
                     (mixture, None) => mixture.as_ref()?.sample(rest).map(|(i, p, _)| (i, p))?,
                 };
@@ -247,8 +243,7 @@ impl Lights {
                     distance: s.distance,
                     radiance: s.radiance,
                     pdf: s.pdf * probability * group_probability,
-                    delta: false,
-                    emitter: Some(EmitterId(i as u32)),
+                    point: LightPoint::Emitter(EmitterId(i as u32), s.position),
                 })
             }
         }
@@ -309,6 +304,16 @@ impl Lights {
             (mixture, None) => mixture.as_ref().map_or(0.0, |m| m.probability(i)),
         };
         pdf * probability * choice.groups.probability(EMITTERS)
+    }
+
+    /// The probability that [`Self::sample_at`] has for a punctual light.
+    pub(super) fn punctual_probability(&self, i: usize, anchor: &Anchor) -> f32 {
+        let choice = self.choice(anchor);
+        let probability = match (&choice.punctual, &self.many_punctual) {
+            (_, Some(many)) => many.probability(&self.punctual, (anchor.point, anchor.normal), i),
+            (mixture, None) => mixture.as_ref().map_or(0.0, |m| m.probability(i)),
+        };
+        probability * choice.groups.probability(PUNCTUAL)
     }
 
     /// About the irradiance of a surface there if nothing is in the way, channel mean. Zero only where no light reaches

@@ -113,4 +113,27 @@ impl ManyPunctual {
         };
         Some((self.distant[i] as usize, p * kinds.probability(1)))
     }
+
+    /// The probability of [`Self::sample`] to choose a light.
+    pub fn probability(
+        &self,
+        lights: &[PunctualLight],
+        (point, normal): (Vec3, Option<Vec3>),
+        light: usize,
+    ) -> f32 {
+        let weights = [self.placed_importance(point, normal), self.distant_importance(lights, point, normal)];
+        let kinds = Mixture::new(DEFENSIVE, weights);
+        // Both lists are in the order of all lights.
+        let place = |list: &[u32]| list.binary_search(&(light as u32)).ok();
+        if let (Some(i), Some(tree)) = (place(&self.placed), &self.tree) {
+            let exact = |i: usize| facing_irradiance(&lights[self.placed[i] as usize], point, normal);
+            return kinds.probability(0) * tree.probability(i, (point, normal), exact);
+        }
+        let Some(i) = place(&self.distant) else { return 0.0 };
+        let of_distant = match &self.distant_table {
+            Some(table) => table.pdf(i),
+            None => Mixture::new(DEFENSIVE, self.distant_weights(lights, point, normal)).probability(i),
+        };
+        kinds.probability(1) * of_distant
+    }
 }

@@ -5,7 +5,7 @@
 
 use super::emitter::Emitter;
 use super::environment::{Environment, Facing};
-use super::{EmitterId, LightSample, punctual};
+use super::{EmitterId, LightPoint, LightSample, punctual};
 use crate::sampling::Distribution1D;
 use crate::scene::{PunctualKind, PunctualLight};
 use glam::{Vec2, Vec3};
@@ -84,15 +84,14 @@ impl Lamps {
                     distance: s.distance,
                     radiance: s.radiance,
                     pdf: s.pdf * probability,
-                    delta: false,
-                    emitter: Some(EmitterId((first + i) as u32)),
+                    point: LightPoint::Emitter(EmitterId((first + i) as u32), s.position),
                 })
             }
-            Some(Source::Punctual(i)) => of_punctual(&punctual[*i], point, 1.0),
+            Some(Source::Punctual(i)) => of_punctual(punctual, *i, point, 1.0),
             None => {
                 let (i, probability, _) = self.choice.as_ref()?.sample(u_select);
-                if let Some(light) = punctual.get(self.distant[i]) {
-                    return of_punctual(light, point, probability);
+                if self.distant[i] < punctual.len() {
+                    return of_punctual(punctual, self.distant[i], point, probability);
                 }
                 let s = environment.sample(Facing::All, u)?;
                 Some(LightSample {
@@ -100,22 +99,20 @@ impl Lamps {
                     distance: f32::INFINITY,
                     radiance: s.radiance,
                     pdf: s.pdf * probability,
-                    delta: false,
-                    emitter: None,
+                    point: LightPoint::Environment(s.direction),
                 })
             }
         }
     }
 }
 
-fn of_punctual(light: &PunctualLight, point: Vec3, probability: f32) -> Option<LightSample> {
-    let p = punctual::irradiance(light, point)?;
+fn of_punctual(lights: &[PunctualLight], i: usize, point: Vec3, probability: f32) -> Option<LightSample> {
+    let p = punctual::irradiance(&lights[i], point)?;
     Some(LightSample {
         direction: p.direction,
         distance: p.distance,
         radiance: p.irradiance,
         pdf: probability,
-        delta: true,
-        emitter: None,
+        point: LightPoint::Punctual(i as u32),
     })
 }

@@ -6,10 +6,6 @@ use glam::Vec3;
 
 use crate::scene::{PunctualKind, PunctualLight};
 
-/// Smallest difference of the cosines of a spot's inner and outer angles; the specification's own constant, which
-/// keeps a spot with equal angles from dividing by zero.
-const MIN_CONE_COSINE_DIFFERENCE: f32 = 0.001;
-
 /// What a punctual light sends to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PunctualIrradiance {
@@ -35,12 +31,31 @@ pub fn distance_attenuation(distance_squared: f32, range: Option<f32>) -> f32 {
 }
 
 /// The specification's recommended cone: the square of the cosine's linear ramp from the outer to the inner angle.
+///
+/// Angles of a fraction of a degree are lost in single cosines, so the ramp is one of 1 − cos θ = 2 sin²(θ/2), which is half
+/// the squared distance between the ends of unit vectors; `twice_versine` is twice that. The specification's code divides by
+/// 0.001 at least, so as not to divide by zero, and with it a cone of less than 2.6° never comes to its full intensity. Here
+/// equal angles make a sharp edge, and all others the ramp that they name.
 #[inline]
-pub fn spot_attenuation(cos_angle: f32, inner: f32, outer: f32) -> f32 {
-    let cos_outer = outer.cos();
-    let scale = 1.0 / (inner.cos() - cos_outer).max(MIN_CONE_COSINE_DIFFERENCE);
-    let ramp = ((cos_angle - cos_outer) * scale).clamp(0.0, 1.0);
+pub fn spot_attenuation(twice_versine: f32, inner: f32, outer: f32) -> f32 {
+    let end = |angle: f32| (2.0 * (0.5 * angle).sin()).powi(2);
+    let (from, to) = (end(outer), end(inner));
+    if twice_versine <= to {
+        return 1.0;
+    }
+    let ramp = ((from - twice_versine) / (from - to)).clamp(0.0, 1.0);
     ramp * ramp
+}
+
+/// The unit direction from `point` to a light; `None` at the light itself.
+#[inline]
+pub fn direction_to(light: &PunctualLight, point: Vec3) -> Option<Vec3> {
+    if light.kind == PunctualKind::Directional {
+        return Some(-light.direction);
+    }
+    let to_light = light.position - point;
+    let direction = to_light / to_light.length();
+    direction.is_finite().then_some(direction)
 }
 
 /// What `light` sends to `point`, or `None` where that is nothing (out of range or cone, or at the light itself).
@@ -62,7 +77,7 @@ pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradian
     }
     let mut attenuation = distance_attenuation(distance_squared, light.range);
     if let PunctualKind::Spot { inner, outer } = light.kind {
-        attenuation *= spot_attenuation(-direction.dot(light.direction), inner, outer);
+        attenuation *= spot_attenuation((direction + light.direction).length_squared(), inner, outer);
     }
     let irradiance = light.intensity * attenuation;
     (irradiance.max_element() > 0.0 && irradiance.is_finite()).then_some(PunctualIrradiance {
@@ -108,8 +123,27 @@ mod tests {
         assert_eq!(at(&spot, Vec3::new(4.0, 0.0, 0.0)), None);
         assert_eq!(at(&spot, Vec3::new(0.0, 3.0, 0.0)), None);
         // Equal angles: a hard edge, no division by zero.
-        assert_eq!(spot_attenuation(1.0, 0.5, 0.5), 1.0);
-        assert_eq!(spot_attenuation(0.6f32.cos(), 0.5, 0.5), 0.0);
+        let versine = |angle: f32| 2.0 - 2.0 * angle.cos();
+        assert_eq!(spot_attenuation(0.0, 0.5, 0.5), 1.0);
+        assert_eq!(spot_attenuation(versine(0.6), 0.5, 0.5), 0.0);
+        // Between two cones of a tenth of a degree.
+        for (inner, outer) in [(0.0f32, 0.004f32), (0.001, 0.002), (0.0001, 0.0002)] {
+            let narrow = light(PunctualKind::Spot { inner, outer }, None);
+            let profile = |angle: f64| {
+                let half = |a: f64| (0.5 * a).sin().powi(2);
+                let (a, b) = (half(f64::from(inner)), half(f64::from(outer)));
+                ((b - half(angle)) / (b - a)).clamp(0.0, 1.0).powi(2)
+            };
+            assert_eq!(at(&narrow, Vec3::ZERO), Some(2.0));
+            for i in 0..=20 {
+                let x = 2.2 * f64::from(outer) * f64::from(i) / 20.0;
+                let found = at(&narrow, Vec3::new(x as f32, 0.0, 0.0)).map_or(0.0, f64::from);
+                let expected = 8.0 / (4.0 + x * x) * profile((x / 2.0).atan());
+                // Unit vectors are rounded to 1e-7.
+                let room = 2.0 * 2.0 * 3e-7 / f64::from(outer - inner);
+                assert!((found - expected).abs() < room, "{inner} {outer} {x}: {found} {expected}");
+            }
+        }
         let sun = light(PunctualKind::Directional, Some(1.0));
         let i = irradiance(&sun, Vec3::splat(1e6)).unwrap();
         assert_eq!((i.direction, i.distance, i.irradiance.y), (Vec3::Y, f32::INFINITY, 4.0));

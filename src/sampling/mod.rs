@@ -4,6 +4,7 @@
 //! they come from. Uniform numbers lie in \[0, 1), never 1.
 
 pub mod arctangent;
+pub mod close_triangle;
 pub mod distribution;
 pub mod exponential;
 pub mod fast_math;
@@ -18,6 +19,7 @@ pub(crate) mod statistics;
 pub mod warp;
 
 pub use arctangent::atan2;
+pub use close_triangle::CloseTriangle;
 pub use distribution::{Cell, Distribution1D, Distribution2D};
 pub use frame::{Frame, orthonormal_basis};
 pub use mis::{balance_heuristic, power_heuristic};

@@ -11,21 +11,22 @@
 //!
 //! D is wider than the boundary's own, to cover the bending of the surface. There are two ways to go on.
 //!
-//! - **Rough boundaries** ([`Aim::towards`]): ω_o is a light sample, and n the normal where it comes out if the boundary is
-//!   taken for a plane: one step of manifold next-event estimation (Hanika et al. 2015), of which the lobe does the rest.
-//!   Where the direction comes out, the light sampling of the boundary is given the same random numbers and so finds the
-//!   same light, ω_o up to parallax. Path and light numbers together have density q(ω | ω_o) times that of light sampling,
-//!   which cancels in the ratio to other techniques.
+//! - **Rough boundaries** ([`Aim::towards`]): a point of a light is sampled from the event, ω_o is the direction from the
+//!   event to it, and n the normal where its light comes out if the boundary is taken for a plane: one step of manifold
+//!   next-event estimation (Hanika et al. 2015), of which the lobe does the rest. Where the direction comes out, it is that
+//!   very point ([`crate::light::LightPoint`]) that is connected, and lies in about the direction ω_o where it is far away.
+//!   Path and point together have the density q(ω | ω_o) times that of the point: of any other technique's path and
+//!   point of a light, ω_o and thus both densities can be told.
 //! - **Smooth boundaries**, and nearly smooth ones ([`Aim::at_beacons`]): what comes out is not up to us, it is refracted
 //!   on. The density must be that of ω alone, so ω_o is one of a handful of beacons ([`crate::light::beacon`]), and
 //!   q(ω) = Σ_k w_k q(ω | ω_k), with D_k wide enough to cover the size of the light.
 
-use crate::light::Anchor;
 use crate::light::beacon::{Beacon, MOST};
+use crate::light::{Anchor, LightSample};
 use crate::optics::{fresnel, ggx};
 use crate::sampling::{SmallRng, orthonormal_basis};
 use crate::scene::NEARLY_SMOOTH;
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 use std::f32::consts::TAU;
 
 /// How much wider than the boundary's own roughness the lobes are.
@@ -40,17 +41,8 @@ const WIDEST: f32 = 0.8;
 /// Ratios of densities are cut here, so that their squares stay finite.
 const LARGEST_RATIO: f32 = 1e15;
 
-/// The random numbers of a light sample.
-#[derive(Clone, Copy, Debug)]
-pub struct LightNumbers {
-    /// Selects the light.
-    pub select: f32,
-    /// Selects a point of it.
-    pub point: Vec2,
-}
-
 /// How a direction could have been aimed: the ratio of the density of aiming to that of the path itself, as a function
-/// of where the light beyond the boundary comes from.
+/// of the light beyond the boundary.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Aimed {
     /// The same for all light: beyond the boundary the direction is scattered on.
@@ -62,7 +54,7 @@ pub struct Aimed {
     /// What is aimed through.
     boundary: NearBoundary,
     alpha: f32,
-    /// The unit direction of a light, and the normal of the boundary where that light comes out.
+    /// The unit direction from the event to a point of a light, and the normal of the boundary where that light comes out.
     light: Vec3,
     normal: Vec3,
     /// Whether the boundary leaves it to aiming to sample lights that can be found by chance, too.
@@ -70,8 +62,8 @@ pub struct Aimed {
 }
 
 impl Aimed {
-    /// The same, for light from the unit direction `outside`: it comes out where the boundary has the normal that `emerging`
-    /// finds.
+    /// The same, for a point of a light in the unit direction `outside` from the event: its light comes out where the
+    /// boundary has the normal that `emerging` finds.
     #[inline]
     pub fn resolve(mut self, outside: Vec3, emerging: impl FnOnce(&NearBoundary) -> Vec3) -> Self {
         if self.samples_light() && self.light != outside {
@@ -79,12 +71,6 @@ impl Aimed {
             self.light = outside;
         }
         self
-    }
-
-    /// Whether there is any such ratio.
-    #[inline]
-    pub fn is_none(&self) -> bool {
-        self.fixed == 0.0 && self.scale == 0.0
     }
 
     /// Whether an aimed direction samples light beyond the boundary, rather than being scattered on.
@@ -99,20 +85,21 @@ impl Aimed {
         self.samples_light().then(|| self.boundary.anchor())
     }
 
-    /// The ratio, for light from the unit direction `outside`.
+    /// The ratio for any light, where what comes out is scattered on; 0 where it samples light.
     #[inline]
-    pub fn ratio(&self, outside: Vec3) -> f32 {
-        if self.scale > 0.0 {
-            let (normal, eta) = (self.normal, self.boundary.eta);
-            if outside.dot(normal) <= LOWEST {
-                return 0.0;
-            }
-            let cos = |h: Vec3| h.dot(normal);
-            let density = density(self.direction, outside, eta, self.alpha, cos);
-            (self.scale * density).min(LARGEST_RATIO)
-        } else {
-            self.fixed
+    pub fn scattered_on(&self) -> f32 {
+        self.fixed
+    }
+
+    /// The ratio for the point of a light that this was resolved for.
+    #[inline]
+    pub fn ratio(&self) -> f32 {
+        let (normal, outside, eta) = (self.normal, self.light, self.boundary.eta);
+        if outside.dot(normal) <= LOWEST {
+            return 0.0;
         }
+        let density = density(self.direction, outside, eta, self.alpha, |h| h.dot(normal));
+        (self.scale * density).min(LARGEST_RATIO)
     }
 }
 
@@ -175,7 +162,7 @@ pub struct Aim {
     alpha: f32,
     lobes: [Lobe; MOST],
     len: usize,
-    numbers: Option<LightNumbers>,
+    chosen: Option<LightSample>,
 }
 
 impl Default for Aim {
@@ -188,7 +175,7 @@ impl Default for Aim {
             alpha: 0.0,
             lobes,
             len: 0,
-            numbers: None,
+            chosen: None,
         }
     }
 }
@@ -201,7 +188,7 @@ impl Aim {
         self.frame = Mat3::from_cols(x, y, boundary.normal);
         self.alpha = alpha;
         self.len = 0;
-        self.numbers = None;
+        self.chosen = None;
     }
 
     /// Whether to aim at light samples rather than at beacons.
@@ -216,10 +203,10 @@ impl Aim {
         self.boundary.anchor()
     }
 
-    /// The light sample that was aimed at.
+    /// The light that was aimed at, as it is seen from the event.
     #[inline]
-    pub fn numbers(&self) -> Option<LightNumbers> {
-        self.numbers
+    pub fn chosen(&self) -> Option<&LightSample> {
+        self.chosen.as_ref()
     }
 
     /// Width of the lobes for light from one direction.
@@ -233,14 +220,14 @@ impl Aim {
         &self.boundary
     }
 
-    /// Aims at light from the unit direction `outside`, sampled with `numbers`, which comes out where the boundary has this
-    /// normal. False: it does not reach the boundary.
-    pub fn towards(&mut self, outside: Vec3, normal: Vec3, numbers: LightNumbers) -> bool {
+    /// Aims at a point of a light in the unit direction `outside`, whose light comes out where the boundary has this normal.
+    /// False: it does not reach the boundary.
+    pub fn towards(&mut self, outside: Vec3, normal: Vec3, chosen: LightSample) -> bool {
         let (x, y) = orthonormal_basis(normal);
         self.frame = Mat3::from_cols(x, y, normal);
         self.light = outside;
         let outside = self.frame.transpose() * outside;
-        self.numbers = Some(numbers);
+        self.chosen = Some(chosen);
         self.lobes[0] = Lobe { outside, alpha: self.width().min(WIDEST), share: 1.0, cumulative: 1.0 };
         self.len = 1;
         outside.z > LOWEST

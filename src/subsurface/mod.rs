@@ -35,7 +35,7 @@ mod tables;
 mod textured;
 
 pub use accelerated_walk::AcceleratedWalk;
-pub use aim::{Aim, Aimed, LightNumbers, NearBoundary};
+pub use aim::{Aim, Aimed, NearBoundary};
 pub use better_dipole::BetterDipole;
 pub use brdf_approximation::BrdfApproximation;
 pub use dipole::Dipole;

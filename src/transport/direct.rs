@@ -5,11 +5,11 @@ use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
 use super::weight::Techniques;
-use crate::light::Anchor;
+use crate::light::{Anchor, LightSample};
 use crate::optics::Bsdf;
 use crate::sampling::{Sampler, orthonormal_basis};
 use crate::scene::Surface;
-use crate::subsurface::{Aimed, LightNumbers};
+use crate::subsurface::Aimed;
 use glam::{Mat3, Vec3};
 
 /// A surface vertex ready for shading: frame, scattering function, surrounding.
@@ -68,9 +68,7 @@ impl Shaded<'_> {
             (true, Some(_)) if !self.lit_inside => Some(z),
             _ => None,
         };
-        let here = Anchor::at(self.surface.position, normal);
-        // An aimed direction has chosen its light before it came here, and must be able to choose it again.
-        self.anchor = self.reached.aimed.anchor().unwrap_or(here);
+        self.anchor = Anchor::at(self.surface.position, normal);
     }
 }
 
@@ -96,36 +94,34 @@ impl Shaded<'_> {
 impl PathTracer<'_> {
     /// Light from as many sampled lights as are to be, scattered at a surface towards the previous vertex.
     pub(super) fn direct(&self, s: &Shaded<'_>, stack: &MediumStack, sampler: &mut Sampler) -> Vec3 {
-        if s.lights == 1 {
-            return self.direct_surface(s, stack, None, sampler);
-        }
+        let lights = &self.scene.lights;
         let select = sampler.next_1d();
         let mut sum = Vec3::ZERO;
         for i in 0..s.lights {
             let select = (select + i as f32 / s.lights as f32).fract();
-            let numbers = LightNumbers { select, point: sampler.next_2d() };
-            sum += self.direct_surface(s, stack, Some(numbers), sampler);
+            let u = sampler.next_2d();
+            if s.reached.aimed.alone && !lights.has_delta() {
+                continue;
+            }
+            if let Some(light) = lights.sample_at(&s.anchor, select, u) {
+                sum += self.direct_surface(s, stack, &light, sampler);
+            }
         }
         sum / s.lights as f32
     }
 
-    /// Light from one sampled light, scattered at a surface towards the previous vertex; with the given numbers, or new
-    /// ones.
+    /// Light from one sampled light, scattered at a surface towards the previous vertex. It was chosen at the surface, or
+    /// by aiming where the path came from, if that is how it came.
     pub(super) fn direct_surface(
         &self,
         s: &Shaded<'_>,
         stack: &MediumStack,
-        numbers: Option<LightNumbers>,
+        light: &LightSample,
         sampler: &mut Sampler,
     ) -> Vec3 {
-        let (u_select, u) = match numbers {
-            Some(n) => (n.select, n.point),
-            None => (sampler.next_1d(), sampler.next_2d()),
-        };
-        let Some(light) = self.scene.lights.sample_at(s.surface.position, &s.anchor, u_select, u) else {
-            return Vec3::ZERO;
-        };
-        if s.reached.aimed.alone && !s.reached.by_aiming && !light.delta {
+        let Reached { ref aimed, by_aiming } = s.reached;
+        let delta = light.point.is_delta();
+        if aimed.alone && !by_aiming && !delta {
             return Vec3::ZERO;
         }
         let wi = s.frame.transpose() * light.direction;
@@ -141,10 +137,17 @@ impl PathTracer<'_> {
         if f.max_element() <= 0.0 {
             return Vec3::ZERO;
         }
-        let by_chance = if light.delta { 0.0 } else { pdf };
-        let aimed = self.resolved(s.reached.aimed, light.direction);
-        let techniques = Techniques::new(&aimed, light.direction, s.lights as f32 * light.pdf, by_chance);
-        let weight = if s.reached.by_aiming { techniques.weigh_aimed() } else { techniques.weigh_light() };
+        let by_chance = if delta { 0.0 } else { pdf };
+        let from = s.surface.position;
+        let weight = if by_aiming {
+            let alone = aimed.alone && !delta;
+            let sampled =
+                if alone { 0.0 } else { self.scene.lights.density_at(&s.anchor, &light.point, from) };
+            Techniques::new(sampled, by_chance, aimed.ratio() * light.pdf).weigh_aimed()
+        } else {
+            let aimed = self.aimed_density(aimed, Some(&light.point), from, by_chance);
+            Techniques::new(s.lights as f32 * light.pdf, by_chance, aimed).weigh_light()
+        };
         let contribution = f * light.radiance * (weight / light.pdf);
         if contribution.max_element() <= 0.0 {
             return Vec3::ZERO;
@@ -152,8 +155,8 @@ impl PathTracer<'_> {
         let transmitted = s.enclosure.is_some() && to_front != s.front;
         let (mut stack, scale) = if transmitted { (s.beyond, s.undispersed()) } else { (*stack, 1.0) };
         let (ray, through) = match s.place {
-            Some(place) => self.shadow_ray_in(place, &light, &mut stack),
-            None => (self.shadow_ray_from(s.surface, &light), Vec3::ONE),
+            Some(place) => self.shadow_ray_in(place, light, &mut stack),
+            None => (self.shadow_ray_from(s.surface, light), Vec3::ONE),
         };
         if through.max_element() <= 0.0 {
             return Vec3::ZERO;

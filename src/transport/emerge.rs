@@ -12,7 +12,7 @@ use crate::light::{Anchor, LightSample};
 use crate::optics::{Bsdf, HenyeyGreenstein, fresnel};
 use crate::sampling::{Sampler, power_heuristic};
 use crate::scene::{Shading, Surface};
-use crate::subsurface::{Aim, Aimed, Connector, LightNumbers, NearBoundary};
+use crate::subsurface::{Aim, Aimed, Connector, NearBoundary};
 use glam::{Mat3, Vec3};
 
 /// The lobe number that chooses refraction where there is any.
@@ -70,12 +70,10 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 (scene.emission(&surface, -direction), id.map_or(0.0, pdf))
             }
         };
-        if delta {
-            let weight = Techniques::new(aimed, direction, 0.0, 1.0).weigh_aimed();
-            light * sample.weight * (sample.pdf * weight)
-        } else {
-            light * sample.weight * Techniques::new(aimed, direction, density, sample.pdf).weigh_aimed()
-        }
+        let weigh =
+            |light, chance| Techniques::new(light, chance, aimed.scattered_on() * chance).weigh_aimed();
+        let weight = if delta { sample.pdf * weigh(0.0, 1.0) } else { weigh(density, sample.pdf) };
+        light * sample.weight * weight
     }
 }
 
@@ -91,7 +89,7 @@ impl Connector for FlightLights<'_, '_> {
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(light) = self.tracer.scene.lights.sample(point, None, u_select, u) else { return };
         let f = phase.eval_directions(incoming, light.direction);
-        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf, f) };
+        let weight = if light.point.is_delta() { 1.0 } else { power_heuristic(light.pdf, f) };
         let contribution = throughput * light.radiance * (f * weight / light.pdf);
         if contribution.max_element() > 0.0 {
             let ray = self.tracer.shadow_ray(point, &light);
@@ -154,11 +152,12 @@ impl Connector for FlightLights<'_, '_> {
 
     fn draw(&self, point: Vec3, aim: &mut Aim, sampler: &mut Sampler) -> Option<(Vec3, f32)> {
         if aim.samples_light() {
-            let numbers = LightNumbers { select: sampler.next_1d(), point: sampler.next_2d() };
+            let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
             let lights = &self.tracer.scene.lights;
-            let light = lights.sample_at(point, &aim.anchor(), numbers.select, numbers.point)?;
-            let normal = self.tracer.emerging_normal(aim.boundary(), light.direction);
-            if !aim.towards(light.direction, normal, numbers) {
+            let light = lights.sample_at(&aim.anchor(), u_select, u)?;
+            let outside = lights.direction_to(&light.point, point)?;
+            let normal = self.tracer.emerging_normal(aim.boundary(), outside);
+            if !aim.towards(outside, normal, light) {
                 return None;
             }
         }
@@ -204,10 +203,12 @@ impl Connector for FlightLights<'_, '_> {
             drawn: None,
         };
         shaded.orient(-incoming, shading.normal, true);
-        let light = if aimed.samples_light() {
-            tracer.direct_surface(&shaded, &self.stack, aim.numbers(), sampler)
-        } else {
-            self.refracted(&shaded, &aimed, sampler)
+        let light = match aim.chosen() {
+            Some(chosen) => {
+                let seen = tracer.scene.lights.seen_from(chosen, aim.boundary().point, surface.position);
+                seen.map_or(Vec3::ZERO, |l| tracer.direct_surface(&shaded, &self.stack, &l, sampler))
+            }
+            None => self.refracted(&shaded, &aimed, sampler),
         };
         self.radiance += throughput * light;
     }

@@ -53,7 +53,7 @@ impl PathTracer<'_> {
         let leave = |direction: Vec3| offset_origin(point, error, Vec3::Y, direction);
         let (mut with, mut without) = (Vec3::ZERO, Vec3::ZERO);
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
-        if let Some(light) = self.scene.lights.sample_at(point, &anchor, u_select, u)
+        if let Some(light) = self.scene.lights.sample_at(&anchor, u_select, u)
             && light.direction.y > 0.0
         {
             without = light.radiance * (light.direction.y / light.pdf);

@@ -11,7 +11,7 @@ use super::media::MediumStack;
 use super::path::PathTracer;
 use super::place::InPlace;
 use crate::geometry::{Hit, Ray, offset_origin};
-use crate::light::LightSample;
+use crate::light::{LightPoint, LightSample};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::sampling::Sampler;
 use crate::scene::{AlphaMode, Surface};
@@ -36,7 +36,10 @@ pub(super) struct ShadowRay {
 impl PathTracer<'_> {
     /// A shadow ray from a point of free space.
     pub(super) fn shadow_ray(&self, origin: Vec3, light: &LightSample) -> ShadowRay {
-        let emitter = light.emitter.and_then(|id| self.scene.lights.emitter_triangle(id));
+        let emitter = match light.point {
+            LightPoint::Emitter(id, _) => self.scene.lights.emitter_triangle(id),
+            LightPoint::Environment(_) | LightPoint::Punctual(_) => None,
+        };
         let &LightSample { direction, distance, .. } = light;
         ShadowRay { origin, direction, distance, emitter, from: None }
     }

@@ -1,7 +1,7 @@
 //! Aiming at light through a boundary changes the noise and nothing else: pictures with and without it have one mean.
 
 use crate::lab::*;
-use glam::{Affine3A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use nephrite::scene::*;
 use nephrite::transport::RenderOptions;
 
@@ -25,26 +25,6 @@ fn wax(roughness: f32, environment: EnvironmentDescription) -> SceneDescription 
     };
     add_panel(&mut scene, Vec3::new(0.0, -RADIUS, 0.0), Vec3::Y, 0.1, ground);
     scene
-}
-
-/// A square of the given half width that faces `normal`.
-fn add_panel(
-    scene: &mut SceneDescription,
-    center: Vec3,
-    normal: Vec3,
-    half: f32,
-    material: MaterialDescription,
-) {
-    let (x, y) = normal.any_orthonormal_pair();
-    let corner = |a: f32, b: f32| center + half * (a * x + b * y);
-    scene.materials.push(material);
-    scene.meshes.push(MeshDescription {
-        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        triangle_materials: vec![scene.materials.len() as u32 - 1; 2],
-        ..Default::default()
-    });
-    scene.instances.push(place(scene.meshes.len() - 1, Affine3A::IDENTITY));
 }
 
 fn add_lamp(scene: &mut SceneDescription, center: Vec3, half: f32, radiance: Vec3) {

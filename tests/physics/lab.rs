@@ -111,6 +111,26 @@ pub fn place(mesh: usize, transform: Affine3A) -> InstanceDescription {
     InstanceDescription { name: String::new(), pointer: String::new(), mesh, transform }
 }
 
+/// A square of the given half width that faces `normal`.
+pub fn add_panel(
+    scene: &mut SceneDescription,
+    center: Vec3,
+    normal: Vec3,
+    half: f32,
+    material: MaterialDescription,
+) {
+    let (x, y) = normal.any_orthonormal_pair();
+    let corner = |a: f32, b: f32| center + half * (a * x + b * y);
+    scene.materials.push(material);
+    scene.meshes.push(MeshDescription {
+        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![scene.materials.len() as u32 - 1; 2],
+        ..Default::default()
+    });
+    scene.instances.push(place(scene.meshes.len() - 1, Affine3A::IDENTITY));
+}
+
 /// Radiance `above` from the upper half of the sky, nothing from the lower one.
 pub fn sky_above(above: f32) -> EnvironmentDescription {
     const ROWS: usize = 512;

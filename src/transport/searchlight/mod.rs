@@ -22,7 +22,7 @@ mod half_space;
 use super::media::Enclosure;
 use super::render::RenderControl;
 use crate::geometry::{Hit, offset_origin};
-use crate::light::LightSample;
+use crate::light::{LightPoint, LightSample};
 use crate::optics::diffusion::Coefficients;
 use crate::optics::{HenyeyGreenstein, Medium, fresnel};
 use crate::sampling::Sampler;
@@ -311,13 +311,13 @@ impl Connector for Everywhere<'_, '_> {
         let u = sampler.next_2d();
         let (z, azimuth) = (1.0 - 2.0 * u.x, TAU * u.y);
         let sin = (1.0 - z * z).max(0.0).sqrt();
+        let direction = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), z);
         Some(LightSample {
-            direction: Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), z),
+            direction,
             distance: f32::INFINITY,
             radiance: Vec3::ONE,
             pdf: 1.0 / (2.0 * TAU),
-            delta: false,
-            emitter: None,
+            point: LightPoint::Environment(direction),
         })
     }
 
