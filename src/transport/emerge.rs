@@ -4,6 +4,7 @@
 use super::direct::{Reached, Shaded};
 use super::media::{Crossing, Enclosure, MediumStack};
 use super::path::PathTracer;
+use super::shading_normal::from_below;
 use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
@@ -187,6 +188,7 @@ impl Connector for FlightLights<'_, '_> {
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             return;
         }
+        let normal = from_below(&surface, shading.normal, -incoming, eta);
         let mut shaded = Shaded {
             surface: &surface,
             bsdf: &bsdf,
@@ -201,7 +203,7 @@ impl Connector for FlightLights<'_, '_> {
             matched: false,
             drawn: None,
         };
-        shaded.orient(-incoming, shading.normal, true);
+        shaded.orient(-incoming, normal, true);
         let light = if aimed.samples_light() {
             tracer.direct_surface(&shaded, &self.stack, aim.numbers(), sampler)
         } else {

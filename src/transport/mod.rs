@@ -15,6 +15,7 @@ mod path;
 mod pixel;
 mod render;
 pub mod searchlight;
+mod shading_normal;
 mod shutter;
 mod split;
 mod state;

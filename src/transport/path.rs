@@ -68,6 +68,7 @@ impl PathTracer<'_> {
             vertex: Vertex::unconnected(ray.origin),
             events: 0,
             bounces: 0,
+            total_reflections: 0,
             wavelength: None,
             direct_view: true,
             footprint: if self.options.filter_textures {
@@ -160,6 +161,7 @@ impl PathTracer<'_> {
         });
         path.direct_view &= events == 0;
         if events > 0 {
+            path.total_reflections = 0;
             path.footprint.forget();
         }
         arrival
@@ -214,6 +216,7 @@ impl PathTracer<'_> {
 
         let mut eta = 1.0;
         let mut drawn = None;
+        let mut refracting = None;
         if let Some(e) = enclosure {
             if !front && !path.stack.contains(e.instance) {
                 path.stack.enter(e);
@@ -227,6 +230,7 @@ impl PathTracer<'_> {
                 return true;
             }
             eta = index;
+            refracting = Some(index).filter(|_| (index - 1.0).abs() >= MATCHED_INDEX);
             if self.scene.has_dispersion
                 && let Some((index, wavelength)) = self.disperse(path, e, front, sampler)
             {
@@ -235,9 +239,17 @@ impl PathTracer<'_> {
         }
         path.direct_view = false;
         let shading = Shading::new(self.scene, &surface);
+        let normal = match refracting {
+            // A wavelength that is drawn here must not matter to where the boundary reflects.
+            Some(index) => {
+                let index = if drawn.is_some() { index } else { eta };
+                self.refracting_normal(&surface, shading.normal, wo, index, path, sampler)
+            }
+            None => shading.normal,
+        };
         let mut bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
         if let Bsdf::Layered(layered) = &mut bsdf {
-            layered.place(&Shaded::frame_of(&surface, wo, shading.normal, front, see_through));
+            layered.place(&Shaded::frame_of(&surface, wo, normal, front, see_through));
         }
         if let Some(drawn) = &mut drawn {
             self.weigh_wavelength(path, &bsdf, drawn);
@@ -269,7 +281,7 @@ impl PathTracer<'_> {
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
             drawn,
         };
-        self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
+        self.scatter(shaded, normal, see_through, path, radiance, sampler)
     }
 
     /// An exit that a BSSRDF has found: the path leaves the object there.
