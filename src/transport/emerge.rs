@@ -5,6 +5,7 @@ use super::direct::{Reached, Shaded};
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
+use super::shading_normal::from_below;
 use super::state::Vertex;
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
@@ -185,6 +186,7 @@ impl Connector for FlightLights<'_, '_> {
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             return;
         }
+        let normal = from_below(&surface, shading.normal, -incoming, contrast.eta);
         let mut shaded = Shaded {
             surface: &surface,
             bsdf: &bsdf,
@@ -202,7 +204,7 @@ impl Connector for FlightLights<'_, '_> {
             matched: false,
             drawn: None,
         };
-        shaded.orient(-incoming, shading.normal, true);
+        shaded.orient(-incoming, normal, true);
         let light = match aim.chosen() {
             Some(chosen) => {
                 let seen = tracer.scene.lights.seen_from(chosen, aim.boundary().point, surface.position);

@@ -84,6 +84,7 @@ impl PathTracer<'_> {
             },
             events: path.events + 1,
             bounces: 1,
+            total_reflections: 0,
             wavelength: path.wavelength,
             direct_view: false,
             footprint: Footprint::default(),

@@ -17,6 +17,7 @@ mod pixel;
 mod place;
 mod render;
 pub mod searchlight;
+mod shading_normal;
 mod shadow;
 mod shutter;
 mod split;

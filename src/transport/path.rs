@@ -70,6 +70,7 @@ impl PathTracer<'_> {
             vertex: Vertex::unconnected(ray.origin),
             events: 0,
             bounces: 0,
+            total_reflections: 0,
             wavelength: None,
             direct_view: true,
             footprint: if self.options.filter_textures {
@@ -175,6 +176,7 @@ impl PathTracer<'_> {
         });
         path.direct_view &= events == 0;
         if events > 0 {
+            path.total_reflections = 0;
             path.footprint.forget();
         }
         arrival
@@ -256,6 +258,7 @@ impl PathTracer<'_> {
 
         let (mut eta, mut dispersed) = (1.0, 1.0);
         let (mut front, mut enclosure, mut drawn) = (face, None, None);
+        let mut refracting = None;
         if let Some(interface) = &interface {
             let Some(contrast) = &interface.contrast else {
                 return self.pass(&surface, Some(interface), path);
@@ -270,6 +273,7 @@ impl PathTracer<'_> {
                 return self.pass(&surface, Some(interface), path);
             }
             enclosure = Some(contrast.enclosure);
+            refracting = Some(eta).filter(|_| (eta - 1.0).abs() >= MATCHED_INDEX);
             if self.scene.has_dispersion
                 && let Some((index, wavelength)) = self.disperse(path, contrast, sampler)
             {
@@ -279,9 +283,17 @@ impl PathTracer<'_> {
         }
         path.direct_view = false;
         let shading = Shading::new(self.scene, &surface);
+        let normal = match refracting {
+            // A wavelength that is drawn here must not matter to where the boundary reflects.
+            Some(index) => {
+                let index = if drawn.is_some() { index } else { eta };
+                self.refracting_normal(&surface, shading.normal, wo, index, path, sampler)
+            }
+            None => shading.normal,
+        };
         let mut bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
         if let Bsdf::Layered(layered) = &mut bsdf {
-            layered.place(&Shaded::frame_of(&surface, wo, shading.normal, front, see_through));
+            layered.place(&Shaded::frame_of(&surface, wo, normal, front, see_through));
         }
         if let Some(drawn) = &mut drawn {
             self.weigh_wavelength(path, &bsdf, drawn);
@@ -317,7 +329,7 @@ impl PathTracer<'_> {
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
             drawn,
         };
-        self.scatter(shaded, shading.normal, see_through, path, radiance, sampler)
+        self.scatter(shaded, normal, see_through, path, radiance, sampler)
     }
 
     /// An exit that a BSSRDF has found: the path leaves the object there.

@@ -59,6 +59,8 @@ pub(super) struct Path {
     pub vertex: Vertex,
     pub events: u32,
     pub bounces: u32,
+    /// Total reflections in a row at boundaries with shading normals.
+    pub total_reflections: u32,
     /// The wavelength that the path keeps once a dispersive boundary has refracted it, nanometres.
     pub wavelength: Option<f32>,
     /// The camera still sees straight through what was met.
