@@ -290,8 +290,7 @@ mod tests {
     fn balls_let_out_what_plain_walks_do() {
         for (radius, sigma_t, albedo, expected) in BALLS {
             let (sigma_t, albedo) = (Vec3::from_array(sigma_t), Vec3::from_array(albedo));
-            let found =
-                out_of_a_ball(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, 0.9, radius, 60_000);
+            let found = out_of_a_ball(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, 0.9, radius, 60_000);
             for i in 0..3 {
                 let ((mean, se), (value, relative)) = (found[i], expected[i]);
                 let off = mean / value - 1.0;
