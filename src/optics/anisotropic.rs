@@ -6,18 +6,15 @@
 //! | [`Facets::distribution`] | D(h) = 1/(π αx αy (hx²/αx² + hy²/αy² + hz²)²) |
 //! | [`Facets::masking`] | G1(ω) = 2 cos θ/(cos θ + √(cos²θ + αx² ωx² + αy² ωy²)) |
 //!
-//! The tables of energy that single scattering loses know one width. They are asked for the mean of order p of both,
-//! ((αx^p + αy^p)/2)^(1/p), with the p that loses as much on average: fitted to the losses of sixteen pairs of widths, strength
-//! 0.3 to 1 of roughness 0.05 to 0.5, for mirrors and indices 1.33 to 1.8, by integration over directions. `docs/materials.md`
-//! says how far the energy is off.
+//! What single scattering loses depends on the azimuth, too: [`super::facet_tables`]. Where one width has to stand for both, in
+//! the choice of what becomes of light that was lost once, it is the mean of order [`REFLECTED`].
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Order of the mean for light that is reflected; losses are met to 0.5 % of the light.
+/// Order of the mean of both widths, ((αx^p + αy^p)/2)^(1/p), whose facets lose as much of light from all directions as those
+/// of both, to 0.5 % of it.
 pub(super) const REFLECTED: f32 = 1.7;
-/// For a boundary, met from the rarer and from the denser side; losses are met to 0.3 and 0.9 %.
-pub(super) const BOUNDARY: [f32; 2] = [2.4, 1.5];
 
 /// Widths and direction of a microsurface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! What lies below layers: a plain or general surface, or a bare or treated boundary of a medium.
 
+use super::anisotropic::Facets;
+use super::fresnel::{self, SCHLICK_AVERAGE};
 use super::metallic_roughness::{Surface, SurfaceParameters};
 use super::substrate::Substrate;
 use super::treated::TreatedBoundary;
@@ -9,8 +11,8 @@ use glam::{Vec2, Vec3};
 /// What lies below the layers.
 #[derive(Clone, Copy, Debug)]
 pub enum Base {
-    /// A plain opaque surface or thin wall, and how it spreads light.
-    Surface(Surface, Spread),
+    /// A plain opaque surface or thin wall, and its mean colour.
+    Surface(Surface, Vec3),
     /// Any other opaque surface or thin wall.
     Substrate(Substrate),
     /// The bare boundary of a medium, and the tint of a crossing.
@@ -19,14 +21,22 @@ pub enum Base {
     Treated(TreatedBoundary, Vec3),
 }
 
-/// How a base spreads the light that it reflects.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Spread {
-    /// Share that is Lambertian; the rest comes from facets of width `alpha`.
-    pub(super) lambertian: f32,
-    pub(super) alpha: f32,
-    /// Mean colour.
-    pub(super) color: Vec3,
+/// How a base spreads the light of one direction that it reflects or lets through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    /// The facets that send it to where they look.
+    pub(super) facets: Facets,
+    /// Share of light that this concerns: what crosses a boundary is another matter.
+    pub(super) share: f32,
+    /// Share of it that is diffuse; the rest comes from the facets.
+    pub(super) diffuse: f32,
+    /// p, where the diffuse share leaves a dielectric's coat with 1 − p (1 − µ)⁵ times Lambert's law.
+    pub(super) grazing: f32,
+}
+
+/// The p of [`Spread::grazing`] of what a coat lets through at normal incidence and on average.
+pub(super) fn grazing(normal: f32, average: f32) -> f32 {
+    ((1.0 - average / normal.max(1e-6)) / SCHLICK_AVERAGE).clamp(0.0, 1.0)
 }
 
 impl Base {
@@ -74,20 +84,72 @@ impl Base {
         }
     }
 
-    /// Index inside over outside and width of the facets of a boundary.
-    pub(super) fn refraction(&self) -> Option<(f32, f32)> {
+    /// How light of a turned direction is spread, where what layers throw back comes out again on their side.
+    pub(super) fn spread(&self, w: Vec3) -> Spread {
+        let reflected = |facets, share| Spread { facets, share, diffuse: 0.0, grazing: 0.0 };
         match self {
-            Self::Boundary(b, _) => Some((b.eta(), b.alpha())),
-            Self::Treated(t, _) => Some((t.eta(), t.alpha())),
-            _ => None,
+            Self::Surface(s, _) => s.spread(w.z.abs()),
+            Self::Substrate(s) => s.spread(w),
+            Self::Boundary(b, _) => {
+                reflected(Facets::isotropic(b.alpha()), fresnel::dielectric(w.z.abs(), b.eta()))
+            }
+            Self::Treated(t, _) => reflected(*t.facets(), t.reflected_outside(w.z.abs())),
         }
     }
 
-    pub(super) fn spread(&self) -> Spread {
+    /// Mean colour of what it sends back of a share of light.
+    pub(super) fn color(&self) -> Vec3 {
         match self {
-            Self::Surface(_, spread) => *spread,
-            Self::Substrate(s) => s.spread(),
-            _ => Spread::default(),
+            Self::Surface(_, color) => *color,
+            Self::Substrate(s) => s.color(),
+            Self::Boundary(..) | Self::Treated(..) => Vec3::ONE,
+        }
+    }
+
+    /// A direction turned to the facets: x along the tangent.
+    pub(super) fn turned(&self, w: Vec3) -> Vec3 {
+        match self {
+            Self::Substrate(s) => s.facets().turned(w),
+            Self::Treated(t, _) => t.facets().turned(w),
+            Self::Surface(..) | Self::Boundary(..) => w,
+        }
+    }
+
+    /// Whether facets look the same from all sides.
+    pub(super) fn is_isotropic(&self) -> bool {
+        let same = |facets: &Facets| facets.alpha.x == facets.alpha.y;
+        match self {
+            Self::Substrate(s) => same(s.facets()),
+            Self::Treated(t, _) => same(t.facets()),
+            Self::Surface(..) | Self::Boundary(..) => true,
+        }
+    }
+
+    /// A direction outside (z > 0) to which a visible facet of a rough boundary refracts light from the turned
+    /// direction `o`, inside but given above, and the share that gets there.
+    pub(super) fn emerging(&self, o: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+        match self {
+            Self::Boundary(b, _) => b.emerging(o, u),
+            Self::Treated(t, _) => t.emerging(o, u),
+            Self::Surface(..) | Self::Substrate(..) => None,
+        }
+    }
+
+    /// Share of light from the turned direction `o` inside that a boundary hands back outside.
+    pub(super) fn lost_inside(&self, o: Vec3) -> f32 {
+        match self {
+            Self::Boundary(b, _) => b.lost_inside(o.z),
+            Self::Treated(t, _) => t.lost_inside(o),
+            Self::Surface(..) | Self::Substrate(..) => 0.0,
+        }
+    }
+
+    /// Where it goes: the density towards the turned direction `i` outside over that of Lambert's law.
+    pub(super) fn handed_back(&self, i: Vec3) -> f32 {
+        match self {
+            Self::Boundary(b, _) => b.handed_back(i.z),
+            Self::Treated(t, _) => t.handed_back(i),
+            Self::Surface(..) | Self::Substrate(..) => 1.0,
         }
     }
 }
@@ -95,7 +157,6 @@ impl Base {
 impl Base {
     /// A plain surface.
     pub fn surface(p: &SurfaceParameters) -> Self {
-        let lambertian = (1.0 - p.metallic) * (1.0 - p.transmission);
-        Self::Surface(Surface::new(p), Spread { lambertian, alpha: p.alpha, color: p.base_color })
+        Self::Surface(Surface::new(p), p.base_color)
     }
 }

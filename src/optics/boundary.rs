@@ -143,6 +143,33 @@ impl DielectricBoundary {
         self.alpha
     }
 
+    /// A direction outside to which a visible facet refracts light from inside, and the share that gets there.
+    pub(super) fn emerging(&self, o: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+        let h = ggx::sample_visible(o, self.alpha, u);
+        let c = o.dot(h).clamp(0.0, 1.0);
+        let Interface { reflectance, g } = fresnel::interface(c, 1.0 / self.eta);
+        let out = (g > 0.0).then(|| fresnel::refract_with(o, h, c, g, 1.0 / self.eta))?;
+        (out.z < 0.0).then(|| (mirror(out), (1.0 - reflectance) * self.passed(o, out)))
+    }
+
+    /// Share of light from a cosine inside that compensation sends outside.
+    pub(super) fn lost_inside(&self, mu: f32) -> f32 {
+        match &self.kind {
+            Kind::Multiple { compensation: c, front, .. } => c.loss(1 - front, mu) * c.transmitted[1 - front],
+            _ => 0.0,
+        }
+    }
+
+    /// Density of what compensation sends to a cosine outside, over that of Lambert's law.
+    pub(super) fn handed_back(&self, mu: f32) -> f32 {
+        match &self.kind {
+            Kind::Multiple { compensation: c, front, .. } if c.total[*front] > 0.0 => {
+                c.loss(*front, mu) / c.total[*front]
+            }
+            _ => 1.0,
+        }
+    }
+
     /// f·|cos θ_i| for radiance carried along `wo`; zero for a delta.
     #[inline]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {

@@ -55,12 +55,17 @@ const CORRELATION_DECAY: f32 = 0.3;
 
 /// How the chance that reflected light, once masked, still leaves as reflection changes from its smooth to its rough
 /// limit: F_dr^(α/(α + 0.12)), fitted to walks on the microsurface (`docs/boundary.md` §5).
-const SECOND_BOUNCE_ALPHA: f32 = 0.12;
+pub(super) const SECOND_BOUNCE_ALPHA: f32 = 0.12;
 
 /// κ(η) of eq. (5), for η on either side of 1.
 #[inline]
 pub(super) fn correlation(eta: f32) -> f32 {
     (-(eta.max(1.0 / eta) - 1.0) / CORRELATION_DECAY).exp()
+}
+
+/// The index, or its inverse if it is below 1, for which there are tables.
+pub(super) fn rounded(eta: f32) -> f32 {
+    (eta.max(1.0 / eta) / ETA_STEP).round().max(1.0 / ETA_STEP + 1.0) * ETA_STEP
 }
 
 /// One roughness.
@@ -103,8 +108,7 @@ impl BoundaryTables {
 
     fn shared(eta: f32) -> &'static Self {
         static ALL: Mutex<Option<HashMap<u32, &'static BoundaryTables>>> = Mutex::new(None);
-        let steps = (eta.max(1.0 / eta) / ETA_STEP).round().max(1.0 / ETA_STEP + 1.0);
-        let eta = steps * ETA_STEP;
+        let eta = rounded(eta);
         let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
         all.get_or_insert_default()
             .entry(eta.to_bits())
@@ -136,11 +140,6 @@ impl BoundaryTables {
     pub(super) fn at(&self, alpha: f32) -> Compensation<'_> {
         let slices = self.between(alpha);
         self.compensation([slices; 2])
-    }
-
-    /// The compensation with a roughness for light from each side, where facets are not of one width.
-    pub(super) fn at_each(&self, alphas: [f32; 2]) -> Compensation<'_> {
-        self.compensation(alphas.map(|alpha| self.between(alpha)))
     }
 
     #[inline]

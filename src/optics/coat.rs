@@ -1,6 +1,7 @@
 //! `KHR_materials_clearcoat`: a dielectric GGX layer of index 1.5 (f0 = 0.04) that light passes without bending, with
 //! normals of its own. Light lost by masking comes back as for [`super::metallic_roughness`].
 
+use super::base::Spread;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
 use super::fresnel::{SCHLICK_AVERAGE, schlick_weight};
 use super::reflection_tables::Reflection;
@@ -66,10 +67,10 @@ impl Coat {
         self.albedo_at(self.local(w).z)
     }
 
-    /// R at a cosine, of a base of which the share `lambertian` is Lambertian and the rest a metal of width `alpha`.
-    pub(super) fn residue(&self, mu: f32, lambertian: f32, alpha: f32) -> f32 {
+    /// R of a base that spreads light so, for a direction turned to its facets.
+    pub(super) fn residue(&self, w: Vec3, spread: &Spread) -> f32 {
         let (j, t) = top::slice(self.alpha, SLICES);
-        let of = |j: usize| slice(j).base_residue(mu, lambertian, alpha);
+        let of = |j: usize| slice(j).base_residue(w, spread);
         self.factor * top::mix(of(j), of(j + 1), t)
     }
 

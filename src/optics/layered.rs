@@ -11,12 +11,11 @@
 //! Opaque surfaces and thin walls have their layers on both sides. On a boundary, light from inside meets the layers after
 //! it has crossed; what they hold back, they throw back inside: mirrored where the boundary is smooth, else diffusely.
 
-use super::base::{Base, Spread};
+use super::base::Base;
 use super::coat::Coat;
 use super::reflectance::NODES;
 use super::sheen::Sheen;
-use super::{BsdfSample, warp};
-use super::{fresnel, ggx};
+use super::{BsdfSample, top, warp};
 use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -32,7 +31,6 @@ pub struct Layered {
     coat_normal: Option<Vec3>,
     tangent: Option<Vec3>,
     back: Back,
-    spread: Spread,
 }
 
 /// The lobes that return what the layers hold back.
@@ -45,6 +43,8 @@ struct Back {
     /// Weight of the lobe below a rough boundary, and 1/∫ 2µ R dµ.
     below: Vec3,
     below_norm: f32,
+    /// What the layers hold back of what a rough boundary hands back.
+    below_lost: f32,
 }
 
 /// Probabilities of the parts for one direction.
@@ -58,16 +58,8 @@ struct Parts {
 impl Layered {
     /// Layers on `base`; `rest` is the opaque remainder of a boundary, with the boundary's share.
     pub fn new(coat: Option<Coat>, sheen: Option<Sheen>, base: Base, rest: Option<(Base, f32)>) -> Self {
-        let mut layered = Self {
-            coat,
-            sheen,
-            base,
-            rest,
-            coat_normal: None,
-            tangent: None,
-            back: Back::default(),
-            spread: Spread::default(),
-        };
+        let mut layered =
+            Self { coat, sheen, base, rest, coat_normal: None, tangent: None, back: Back::default() };
         if coat.is_some() || sheen.is_some() {
             layered.back = layered.returned();
         }
@@ -108,26 +100,27 @@ impl Layered {
         }
     }
 
-    fn returned(&mut self) -> Back {
+    fn returned(&self) -> Back {
         let mut back = Back::default();
-        let mean =
-            |f: &dyn Fn(f32) -> f32| -> f32 { NODES.iter().map(|&(mu, w)| 2.0 * mu * w * f(mu)).sum() };
-        let (base, share) = match &self.rest {
-            Some((rest, share)) => (rest, 1.0 - share),
-            None => (&self.base, 1.0),
+        let (base, share) = self.opaque();
+        let azimuths: &[f32] = if base.is_isotropic() { &[0.0] } else { &top::QUARTER };
+        // ∫ f µ dω/π of a function of the turned direction.
+        let mean = |f: &dyn Fn(Vec3) -> f32| -> f32 {
+            let around = |mu| azimuths.iter().map(|&phi| f(top::towards(mu, phi))).sum::<f32>();
+            NODES.iter().map(|&(mu, w)| 2.0 * mu * w * around(mu)).sum::<f32>() / azimuths.len() as f32
         };
-        self.spread = base.spread();
-        let color = self.spread.color;
-        let average = if color == Vec3::ZERO { 0.0 } else { mean(&|mu| self.residue(mu)) };
+        let color = base.color();
+        let average = if color == Vec3::ZERO { 0.0 } else { mean(&|w| self.residue_turned(w)) };
         if average > 1e-5 {
-            let held = mean(&|mu| self.top_albedo(mu));
+            let held = mean(&|w| self.top_albedo(w.z));
             // Thrown back to the base again and again.
             let again = color * (1.0 - held) / (Vec3::ONE - color * held).max(Vec3::splat(1e-6));
             back.above = color * again * share;
             back.above_norm = 1.0 / average;
         }
         if let Some((_, tint)) = self.base.boundary().filter(|_| !self.base.is_delta()) {
-            let average = mean(&|mu| self.held_below(mu));
+            back.below_lost = mean(&|w| self.base.handed_back(w) * self.top_albedo(w.z));
+            let average = mean(&|w| self.held_turned(w, back.below_lost));
             if average > 1e-6 {
                 back.below = tint * tint * (1.0 - if self.rest.is_some() { share } else { 0.0 });
                 back.below_norm = 1.0 / average;
@@ -136,26 +129,33 @@ impl Layered {
         back
     }
 
-    /// What the layers hold back of light that a rough boundary lets out, by the cosine inside: over a few visible normals.
-    fn held_below(&self, mu: f32) -> f32 {
-        const STEPS: usize = 4;
-        let Some((eta, alpha)) = self.base.refraction() else { return 0.0 };
-        let o = Vec3::new(((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt(), 0.0, mu);
+    /// What lies below the layers besides a boundary, if anything does, and its share.
+    fn opaque(&self) -> (&Base, f32) {
+        match &self.rest {
+            Some((rest, share)) => (rest, 1.0 - share),
+            None => (&self.base, 1.0),
+        }
+    }
+
+    /// What the layers hold back of light that a rough boundary lets out, by the direction inside, given above.
+    fn held_below(&self, o: Vec3) -> f32 {
+        if self.back.below == Vec3::ZERO {
+            return 0.0;
+        }
+        self.held_turned(self.base.turned(o), self.back.below_lost)
+    }
+
+    /// The same of a turned direction, over a few visible normals; `again` is what is held back of light that was lost.
+    fn held_turned(&self, o: Vec3, again: f32) -> f32 {
+        const STEPS: usize = 6;
         let mut sum = 0.0;
         for k in 0..STEPS * STEPS {
             let u = Vec2::new((k % STEPS) as f32 + 0.5, (k / STEPS) as f32 + 0.5) / STEPS as f32;
-            let h = ggx::sample_visible(o, alpha, u);
-            let c = o.dot(h).clamp(0.0, 1.0);
-            let fresnel::Interface { reflectance, g } = fresnel::interface(c, 1.0 / eta);
-            if g > 0.0 {
-                let out = fresnel::refract_with(o, h, c, g, 1.0 / eta);
-                if out.z < 0.0 {
-                    let passed = (1.0 - reflectance) * ggx::masking(out, alpha);
-                    sum += passed * self.top_albedo((-out.z).min(1.0));
-                }
+            if let Some((out, share)) = self.base.emerging(o, u) {
+                sum += share * self.top_albedo(out.z.min(1.0));
             }
         }
-        sum / (STEPS * STEPS) as f32
+        sum / (STEPS * STEPS) as f32 + self.base.lost_inside(o) * again
     }
 
     /// E at a cosine, whatever the coat's own normal.
@@ -176,11 +176,16 @@ impl Layered {
         (c, c + (1.0 - c) * s)
     }
 
-    /// R of all layers at a cosine.
-    fn residue(&self, mu: f32) -> f32 {
-        let Spread { lambertian, alpha, .. } = self.spread;
-        let coat = self.coat.as_ref().map_or(0.0, |c| c.residue(mu, lambertian, alpha));
-        coat + self.sheen.as_ref().map_or(0.0, |s| s.residue(mu, lambertian, alpha))
+    /// R of all layers, of a direction above.
+    fn residue(&self, w: Vec3) -> f32 {
+        if self.back.above == Vec3::ZERO { 0.0 } else { self.residue_turned(self.opaque().0.turned(w)) }
+    }
+
+    fn residue_turned(&self, w: Vec3) -> f32 {
+        let (base, _) = self.opaque();
+        let spread = base.spread(w);
+        let coat = self.coat.as_ref().map_or(0.0, |c| c.residue(w, &spread));
+        spread.share * (coat + self.sheen.as_ref().map_or(0.0, |s| s.residue(w, &spread)))
     }
 
     fn has_layer_towards(&self, w: Vec3) -> bool {
@@ -192,9 +197,9 @@ impl Layered {
         let mean = |c: Vec3| c.element_sum() * (1.0 / 3.0);
         let layers = self.has_layer_towards(wo);
         let back = if layers {
-            mean(self.back.above) * self.residue(wo.z.abs())
+            mean(self.back.above) * self.residue(above(wo))
         } else {
-            mean(self.back.below) * self.held_below(-wo.z)
+            mean(self.back.below) * self.held_below(above(wo))
         };
         let sum = 1.0 + back;
         Parts { coat: c / sum, sheen: (e - c) / sum, back: back / sum, base: (1.0 - e) / sum }
@@ -236,7 +241,7 @@ impl Layered {
         let lambert = i.z * FRAC_1_PI;
         pdf += parts.back * lambert;
         if !self.has_layer_towards(wo) {
-            let returned = self.held_below(o.z) * self.held_below(i.z) * self.back.below_norm;
+            let returned = self.held_below(o) * self.held_below(i) * self.back.below_norm;
             return (f + self.back.below * (returned * lambert), pdf);
         }
         if let Some(coat) = &self.coat {
@@ -249,7 +254,7 @@ impl Layered {
             pdf += parts.sheen / TAU;
         }
         if self.back.above != Vec3::ZERO {
-            let returned = self.residue(o.z) * self.residue(i.z) * self.back.above_norm;
+            let returned = self.residue(o) * self.residue(i) * self.back.above_norm;
             f += self.back.above * (returned * lambert);
         }
         (f, pdf)

@@ -61,7 +61,7 @@ impl Warp {
 
     /// Position of `mu` among the nodes, 0 to 1, increasing.
     #[inline]
-    fn position(&self, mu: f32) -> f32 {
+    pub(super) fn position(&self, mu: f32) -> f32 {
         self.shares[0] * mu / (mu + self.grazing_scale)
             + self.shares[1] * mu
             + self.shares[2] * (step((mu - self.critical) / self.critical_scale) - self.critical_start)

@@ -26,6 +26,8 @@
 //! So a white metal, a white dielectric and a white thin wall reflect and transmit exactly 1 in every direction, up to
 //! the accuracy of the tables. Seen from behind (ω_o.z < 0) the surface is the same.
 
+use super::anisotropic::Facets;
+use super::base::{self, Spread};
 use super::boundary::Microfacet;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
 use super::fresnel::{SCHLICK_AVERAGE, f0_from_eta, schlick_weight};
@@ -302,6 +304,18 @@ impl Surface {
         let f0 = self.f0.max_element();
         let again = self.coat_again.max_element();
         f0 * (1.0 - d.lost - d.schlick) + self.f90 * d.schlick + again * d.lost
+    }
+
+    /// How light from a cosine is spread.
+    pub(super) fn spread(&self, mu: f32) -> Spread {
+        let entering = |mu| 1.0 - self.coat_albedo(self.reflection.directional(mu));
+        let diffuse = (1.0 - self.metallic) * entering(mu) * (1.0 - self.transmission);
+        Spread {
+            facets: Facets::isotropic(self.alpha),
+            share: 1.0,
+            diffuse: diffuse.clamp(0.0, 1.0),
+            grazing: base::grazing(entering(1.0), self.base_average),
+        }
     }
 
     /// Chooses among the lobes by their albedos.

@@ -10,12 +10,17 @@ pub mod albedo;
 mod anisotropic;
 mod base;
 pub mod boundary;
+mod boundary_losses;
 pub mod boundary_tables;
 pub mod bsdf;
 mod coat;
 pub mod diffusion;
 mod exit_lobe;
+mod facet_reflection;
+mod facet_tables;
 pub mod fresnel;
+#[cfg(test)]
+mod furnace_tests;
 pub mod ggx;
 mod layered;
 mod lobe;

@@ -13,6 +13,7 @@ use super::boundary_tables::MIN_ROUGH_ALPHA;
 use super::fresnel::{SCHLICK_AVERAGE, schlick_weight};
 use super::lobe::{CELLS, Lobe, Warp};
 use super::loss::Quadrature;
+use super::reflectance::NODES;
 use std::sync::OnceLock;
 
 /// Slices over α, geometric from [`MIN_ROUGH_ALPHA`] to 1.
@@ -20,7 +21,9 @@ const SLICES: usize = 64;
 
 struct Slice {
     lobe: Lobe,
-    schlick: [f32; CELLS + 1],
+    /// E_w − (1 − L) (1 − µ)⁵: what the facets' slopes change, little where the surface is nearly smooth, so that the few
+    /// nodes there are between the horizon and the normal do then.
+    bent: [f32; CELLS + 1],
     schlick_average: f32,
 }
 
@@ -101,32 +104,35 @@ impl Slice {
     fn new(j: usize) -> Self {
         let alpha = MIN_ROUGH_ALPHA.powf(1.0 - j as f32 / (SLICES - 1) as f32);
         let quadrature = Quadrature::<12, 12>::new();
-        let mut schlick = Vec::with_capacity(CELLS + 1);
+        let mut bent = Vec::with_capacity(CELLS + 1);
         let lobe = Lobe::new(Warp::new(alpha, 1.0), |mu| {
             let mut d = Directional { lost: 0.0, schlick: 0.0 };
             quadrature.lines(mu, alpha, 1.0, 0.0, |line| {
                 d.lost += line.masked_reflected;
                 d.schlick += schlick_weight(line.cos) * (line.facing - line.masked_reflected);
             });
-            schlick.push(d.schlick);
+            bent.push(d.schlick - (1.0 - d.lost) * schlick_weight(mu));
             d.lost
         });
-        let schlick: [f32; CELLS + 1] = std::array::from_fn(|i| schlick[i]);
+        let bent: [f32; CELLS + 1] = std::array::from_fn(|i| bent[i]);
         let mu = lobe.nodes();
-        let schlick_average = (0..CELLS)
-            .map(|i| {
-                let (a, b) = (mu[i], mu[i + 1]);
-                let (p, q) = (schlick[i], schlick[i + 1]);
-                (b - a) * (2.0 * p * a + p * b + q * a + 2.0 * q * b) / 3.0
-            })
-            .sum();
-        Self { lobe, schlick, schlick_average }
+        let mut slice = Self { lobe: lobe.clone(), bent, schlick_average: 0.0 };
+        for pair in mu.windows(2) {
+            let width = pair[1] - pair[0];
+            for (x, w) in NODES {
+                let mu = pair[0] + width * x;
+                slice.schlick_average += 2.0 * mu * w * width * slice.directional(mu).schlick;
+            }
+        }
+        slice
     }
 
     #[inline]
     fn directional(&self, mu: f32) -> Directional {
         let (i, t) = self.lobe.locate(mu);
-        Directional { lost: self.lobe.loss(mu), schlick: mix(self.schlick[i], self.schlick[i + 1], t) }
+        let lost = self.lobe.loss(mu);
+        let bent = mix(self.bent[i], self.bent[i + 1], t);
+        Directional { lost, schlick: (1.0 - lost) * schlick_weight(mu) + bent }
     }
 }
 

@@ -12,6 +12,7 @@
 //! The fit is poor for fibres that stand upright: near the horizon E₀ reaches 1.1 at roughness 0.2 and 4 at 0.05. So that
 //! no energy is made, the lobe is divided by max(1, E₀(µ_o), E₀(µ_i)), which is reciprocal.
 
+use super::base::Spread;
 use super::top::{self, TopTable, mix};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -19,7 +20,8 @@ use std::sync::OnceLock;
 
 /// Smaller roughnesses reflect at the horizon only: fibres of this one 0.03 % at 17° above it.
 const LEAST_ROUGHNESS: f32 = 0.05;
-const SLICES: usize = 24;
+/// Roughnesses of the tables, geometric: the height of the fibres' lobe goes with a power of it.
+const SLICES: usize = 40;
 
 /// Fibres at one point.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +39,7 @@ struct Slice {
 fn slice(j: usize) -> &'static Slice {
     static ALL: [OnceLock<Slice>; SLICES] = [const { OnceLock::new() }; SLICES];
     ALL[j].get_or_init(|| {
-        let roughness = mix(LEAST_ROUGHNESS, 1.0, j as f32 / (SLICES - 1) as f32);
+        let roughness = LEAST_ROUGHNESS.powf(1.0 - j as f32 / (SLICES - 1) as f32);
         let alpha = roughness * roughness;
         let raw = TopTable::new(|mu| albedo(mu, |o, i| value(o, i, alpha)));
         let held = |mu| raw.albedo(mu).max(1.0);
@@ -49,8 +51,8 @@ fn slice(j: usize) -> &'static Slice {
 
 /// ∫ f cos θ_i dω_i by the midpoint rule, of a lobe `f_cos` that is even in the azimuth.
 fn albedo(mu: f32, f_cos: impl Fn(Vec3, Vec3) -> f32) -> f32 {
-    const POLAR: usize = 48;
-    const AZIMUTH: usize = 24;
+    const POLAR: usize = 96;
+    const AZIMUTH: usize = 32;
     let mu = mu.max(LEAST_COSINE);
     let o = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu);
     let mut sum = 0.0;
@@ -96,7 +98,7 @@ impl Sheen {
     }
 
     fn table(&self, get: impl Fn(&Slice) -> f32) -> f32 {
-        let (j, t) = top::slice((self.roughness - LEAST_ROUGHNESS) / (1.0 - LEAST_ROUGHNESS), SLICES);
+        let (j, t) = top::slice(1.0 - self.roughness.ln() / LEAST_ROUGHNESS.ln(), SLICES);
         mix(get(slice(j)), get(slice(j + 1)), t)
     }
 
@@ -105,10 +107,9 @@ impl Sheen {
         self.color.max_element() * self.table(|s| s.kept.albedo(mu))
     }
 
-    /// R at a cosine, of the strongest channel, on a base of which the share `lambertian` is Lambertian and the rest a metal
-    /// of width `alpha`.
-    pub(super) fn residue(&self, mu: f32, lambertian: f32, alpha: f32) -> f32 {
-        self.color.max_element() * self.table(|s| s.kept.base_residue(mu, lambertian, alpha))
+    /// R, of the strongest channel, of a base that spreads light so, for a direction turned to its facets.
+    pub(super) fn residue(&self, w: Vec3, spread: &Spread) -> f32 {
+        self.color.max_element() * self.table(|s| s.kept.base_residue(w, spread))
     }
 
     /// f·cos θ_i, both directions above the surface.

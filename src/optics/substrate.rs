@@ -13,16 +13,16 @@
 //! (Kelemen & Szirmay-Kalos 2001). A diffuse boundary of a denser medium lets out only 1/η² of what it would let in, and
 //! reflects the rest: radiance of equal étendue is exchanged.
 
-use super::anisotropic::{self, Facets};
-use super::base::Spread;
+use super::anisotropic::Facets;
+use super::base::{self, Spread};
 use super::boundary::Microfacet;
 use super::boundary_tables::MIN_ROUGH_ALPHA;
+use super::facet_reflection::{FacetReflection, Shares};
 use super::fresnel::f0_from_eta;
 use super::metallic_roughness::SurfaceParameters;
 use super::reflectance::{NODES, Reflectance};
-use super::reflection_tables::{Directional, Reflection};
 use super::thin_film::ThinFilm;
-use super::{BsdfSample, warp};
+use super::{BsdfSample, top, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -62,7 +62,9 @@ pub(super) struct Ingredients {
 #[derive(Clone, Copy, Debug)]
 pub struct Substrate {
     i: Ingredients,
-    reflection: Reflection,
+    reflection: FacetReflection,
+    /// A: average share that single scattering loses.
+    lost_average: f32,
     metal_again: Vec3,
     coat_again: Vec3,
     /// 1 − Ē of the coat.
@@ -107,19 +109,33 @@ impl Substrate {
     }
 
     fn of(i: Ingredients) -> Self {
-        let reflection = Reflection::at(i.facets.mean_width(anisotropic::REFLECTED));
+        let film = i.metal.has_film() || i.dielectric.has_film();
+        let reflection = FacetReflection::new(&i.facets, film);
+        let average = reflection.average();
         let zero = Vec3::ZERO;
-        let mut s = Self { i, reflection, metal_again: zero, coat_again: zero, entering: 1.0 };
-        if s.multiple() {
-            s.metal_again = i.metal.again(reflection.lost_average);
-            s.coat_again = i.dielectric.again(reflection.lost_average);
-        }
-        let coat: f32 = NODES
-            .iter()
-            .map(|&(mu, weight)| 2.0 * mu * weight * s.coat_albedo(reflection.directional(mu)))
-            .sum();
+        let (metal_again, coat_again) = if i.microfacet == Microfacet::Multiple {
+            (i.metal.again(average.lost), i.dielectric.again(average.lost))
+        } else {
+            (zero, zero)
+        };
+        let lost_average = average.lost;
+        let mut s = Self { i, reflection, lost_average, metal_again, coat_again, entering: 1.0 };
+        let coat =
+            if film { s.average_coat() } else { s.coat_albedo(&Shares { plain: average, hats: None }) };
         s.entering = (1.0 - coat).max(1e-6);
         s
+    }
+
+    /// Ē of the coat, whose strongest channel depends on the direction.
+    fn average_coat(&self) -> f32 {
+        // Facets of one width look the same from all sides.
+        let azimuths: &[f32] =
+            if self.i.facets.alpha.x == self.i.facets.alpha.y { &[0.0] } else { &top::QUARTER };
+        let mean = |mu: f32| {
+            let at = |&phi: &f32| self.coat_albedo(&self.reflection.towards(top::towards(mu, phi)));
+            azimuths.iter().map(at).sum::<f32>() / azimuths.len() as f32
+        };
+        NODES.iter().map(|&(mu, weight)| 2.0 * mu * weight * mean(mu)).sum()
     }
 
     pub(super) fn set_tangent(&mut self, tangent: Vec2) {
@@ -140,22 +156,32 @@ impl Substrate {
         self.is_smooth() && (self.i.metallic >= 1.0 || lambertian == Vec3::ZERO)
     }
 
-    /// How it spreads the light that it reflects.
-    pub(super) fn spread(&self) -> Spread {
-        let dielectric = 1.0 - self.i.metallic;
+    pub(super) fn facets(&self) -> &Facets {
+        &self.i.facets
+    }
+
+    /// How light from a turned direction is spread.
+    pub(super) fn spread(&self, w: Vec3) -> Spread {
+        let entering = |w| 1.0 - self.coat_albedo(&self.reflection.towards(w));
         let opaque = self.i.diffuse + self.i.through;
-        let color =
-            self.i.metallic * self.i.metal.average() + dielectric * (opaque + self.i.dielectric.average());
-        let lambertian = dielectric * opaque.max_element().min(1.0);
+        let share = opaque.max_element() / (opaque + self.i.straight).max_element().max(1e-6);
         Spread {
-            lambertian,
-            alpha: self.i.facets.mean_width(anisotropic::REFLECTED),
-            color: color.min(Vec3::ONE),
+            facets: self.i.facets,
+            share: 1.0,
+            diffuse: ((1.0 - self.i.metallic) * entering(w) * share).clamp(0.0, 1.0),
+            grazing: base::grazing(entering(Vec3::Z), self.entering),
         }
     }
 
-    fn coat_albedo(&self, d: Directional) -> f32 {
-        (self.i.dielectric.albedo(d) + self.coat_again * d.lost).max_element().min(1.0)
+    /// Mean colour of what it sends back.
+    pub(super) fn color(&self) -> Vec3 {
+        let opaque = self.i.diffuse + self.i.through + self.i.dielectric.average();
+        let color = self.i.metallic * self.i.metal.average() + (1.0 - self.i.metallic) * opaque;
+        color.min(Vec3::ONE)
+    }
+
+    fn coat_albedo(&self, s: &Shares) -> f32 {
+        (self.i.dielectric.albedo(s) + self.coat_again * s.plain.lost).max_element().min(1.0)
     }
 
     /// Colour of the Lambertian lobes on the side of `wo` and beyond it.
@@ -166,12 +192,13 @@ impl Substrate {
         (diffuse + through * (1.0 - ratio), through * ratio)
     }
 
-    fn choice(&self, wo: Vec3, d: Directional) -> Choice {
+    fn choice(&self, wo: Vec3, s: &Shares) -> Choice {
         let dielectric = 1.0 - self.i.metallic;
         let mean = |c: Vec3| c.element_sum() * (1.0 / 3.0);
-        let coat = self.i.dielectric.albedo(d) + self.coat_again * d.lost;
-        let metal = self.i.metal.albedo(d) + self.metal_again * d.lost;
-        let below = dielectric * (1.0 - self.coat_albedo(d));
+        let lost = s.plain.lost;
+        let coat = self.i.dielectric.albedo(s) + self.coat_again * lost;
+        let metal = self.i.metal.albedo(s) + self.metal_again * lost;
+        let below = dielectric * (1.0 - self.coat_albedo(s));
         let (here, there) = self.lambertian(wo.z > 0.0);
         let least = |x: f32, exists: bool| if exists { x.max(LEAST_CHOICE) } else { 0.0 };
         let exists = |c: Vec3| dielectric > 0.0 && c.max_element() > 0.0;
@@ -181,7 +208,7 @@ impl Substrate {
             straight: least(below * mean(self.i.straight), exists(self.i.straight)),
             diffuse: least(below * mean(here), exists(here)),
             through: least(below * mean(there), exists(there)),
-            again: if self.multiple() { d.lost } else { 0.0 },
+            again: if self.multiple() { lost } else { 0.0 },
         };
         let sum = c.reflect + c.straight + c.diffuse + c.through;
         if sum <= 0.0 {
@@ -201,20 +228,20 @@ impl Substrate {
         if wo.z == 0.0 || wi.z == 0.0 {
             return (Vec3::ZERO, 0.0);
         }
-        let d = self.reflection.directional(wo.z.abs());
-        self.eval_chosen(wo, wi, d, &self.choice(wo, d))
+        let s = self.reflection.towards(self.i.facets.turned(wo));
+        self.eval_chosen(wo, wi, &s, &self.choice(wo, &s))
     }
 
-    fn eval_chosen(&self, wo: Vec3, wi: Vec3, d: Directional, choice: &Choice) -> (Vec3, f32) {
+    fn eval_chosen(&self, wo: Vec3, wi: Vec3, at_o: &Shares, choice: &Choice) -> (Vec3, f32) {
         let below = wo.z * wi.z < 0.0;
         let facets = &self.i.facets;
         let (o, i) = (facets.turned(above(wo)), facets.turned(above(wi)));
-        let di = self.reflection.directional(i.z);
+        let at_i = &self.reflection.towards(i);
         let dielectric = 1.0 - self.i.metallic;
-        let entering = |d| 1.0 - self.coat_albedo(d);
+        let entering = |s| 1.0 - self.coat_albedo(s);
         let lambert = i.z * FRAC_1_PI * dielectric;
         let coupled = if self.multiple() {
-            entering(d) * entering(di) / self.entering
+            entering(at_o) * entering(at_i) / self.entering
         } else {
             1.0 - self.i.dielectric.at(o.dot((o + i).normalize_or(Vec3::Z))).max_element()
         };
@@ -233,9 +260,12 @@ impl Substrate {
         let c = o.dot(h).clamp(0.0, 1.0);
         let visible = 0.5 * facets.distribution(h) * facets.masking_over_two_cos(o);
         let single = visible * facets.masking(i);
-        let average = self.reflection.lost_average;
-        let again =
-            if self.multiple() && average > 0.0 { d.lost * di.lost * i.z * FRAC_1_PI / average } else { 0.0 };
+        let average = self.lost_average;
+        let again = if self.multiple() && average > 0.0 {
+            at_o.plain.lost * at_i.plain.lost * i.z * FRAC_1_PI / average
+        } else {
+            0.0
+        };
         pdf += chosen * ((1.0 - choice.again) * visible + choice.again * i.z * FRAC_1_PI);
         let coat = self.i.dielectric.at(c);
         f += if below {
@@ -254,8 +284,8 @@ impl Substrate {
         if wo.z == 0.0 {
             return None;
         }
-        let d = self.reflection.directional(wo.z.abs());
-        let choice = self.choice(wo, d);
+        let s = self.reflection.towards(self.i.facets.turned(wo));
+        let choice = self.choice(wo, &s);
         let lobes = [choice.reflect, choice.straight, choice.diffuse, choice.through];
         let (lobe, rest) = warp::choose(&lobes, u_lobe);
         let below = lobe == 1 || lobe == 3;
@@ -272,7 +302,7 @@ impl Substrate {
             return None;
         }
         let wi = placed(i.normalize(), wo, below);
-        let (f, pdf) = self.eval_chosen(wo, wi, d, &choice);
+        let (f, pdf) = self.eval_chosen(wo, wi, &s, &choice);
         let valid = pdf > 0.0 && pdf.is_finite();
         valid.then(|| BsdfSample { wi, weight: f / pdf, pdf, delta: false, transmitted: below })
     }

@@ -9,15 +9,19 @@
 //!
 //! blended with the reflectance of a film on a base of s F0 color, at the same angle outside. Directions are those of the bare dielectric. F' depends on
 //! the facet alone, whichever side the light comes from, so the boundary is reciprocal, and what is not reflected crosses.
-//! Light lost by masking comes back by the tables of the bare boundary (`docs/boundary.md` §5), weighed as they are: exact where F' = F.
+//! Light lost by masking comes back as at the bare boundary (`docs/boundary.md` §5), as much as facets of F' lose in each
+//! direction ([`super::boundary_losses`]).
 
-use super::anisotropic::{self, Facets};
-use super::boundary::{MATCHED_INDEX, Microfacet, lost_energy, sample_lost};
-use super::boundary_tables::{self, BoundaryTables, Compensation, MIN_ROUGH_ALPHA};
+use super::anisotropic::Facets;
+use super::boundary::{MATCHED_INDEX, Microfacet};
+use super::boundary_losses::{Losses, Treatment};
+use super::boundary_tables::{self, MIN_ROUGH_ALPHA};
+use super::facet_tables::HATS;
 use super::fresnel::{self, Interface};
 use super::thin_film::ThinFilm;
 use super::{BsdfSample, warp};
 use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
 
 /// A boundary between two dielectrics, with treated facets.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +33,9 @@ pub struct TreatedBoundary {
     strength: f32,
     f0: Vec3,
     film: Option<(f32, ThinFilm)>,
-    compensation: Option<(Compensation<'static>, f32)>,
+    /// Whether what is lost comes back, and how, once all of the treatment is known.
+    multiple: bool,
+    losses: Option<Losses>,
 }
 
 /// What facets do with light that meets them at one angle.
@@ -45,12 +51,36 @@ impl TreatedBoundary {
     /// multiplies light at each crossing.
     pub fn new(eta: f32, facets: Facets, microfacet: Microfacet, tint: Vec3) -> Self {
         let rough = facets.alpha.max_element() >= MIN_ROUGH_ALPHA && (eta - 1.0).abs() > MATCHED_INDEX;
-        let compensation = (rough && microfacet == Microfacet::Multiple).then(|| {
-            let widths = anisotropic::BOUNDARY.map(|p| facets.mean_width(p));
-            (BoundaryTables::get(eta).at_each(widths), boundary_tables::correlation(eta))
-        });
         let f0 = Vec3::splat(fresnel::f0_from_eta(eta));
-        Self { eta, facets, tint, strength: 1.0, f0, film: None, compensation }
+        let multiple = rough && microfacet == Microfacet::Multiple;
+        Self { eta, facets, tint, strength: 1.0, f0, film: None, multiple, losses: None }.compensated()
+    }
+
+    /// With the losses of its treatment.
+    fn compensated(mut self) -> Self {
+        self.losses = self.multiple.then(|| Losses::new(self.eta, &self.facets, self.treatment()));
+        self
+    }
+
+    /// Its reflectance by that of the bare boundary.
+    fn treatment(&self) -> Treatment {
+        let normal = fresnel::f0_from_eta(self.eta);
+        // f + (1 − f) w by the reflectance F.
+        let line = |f: Vec3| {
+            let slope = (Vec3::ONE - f) / (1.0 - normal);
+            (f - slope * normal, slope)
+        };
+        let (a, b) = line(self.f0);
+        let (a, b) = (self.strength * a, self.strength * b);
+        let Some((share, film)) = &self.film else { return Treatment { a, b, rest: None } };
+        let at_normal = film.reflectance(1.0);
+        let (c, d) = line(at_normal);
+        let rest: [Vec3; HATS] = std::array::from_fn(|k| {
+            let cos = k as f32 / (HATS - 1) as f32;
+            let bare = fresnel::dielectric(cos, self.eta.max(1.0 / self.eta));
+            *share * (film.reflectance(cos) - c - d * bare)
+        });
+        Treatment { a: a + *share * (c - a), b: b + *share * (d - b), rest: Some(rest) }
     }
 
     /// With the factor and colour of KHR_materials_specular.
@@ -58,14 +88,14 @@ impl TreatedBoundary {
     pub fn with_specular(mut self, factor: f32, color: Vec3) -> Self {
         self.strength = factor.clamp(0.0, 1.0);
         self.f0 = (self.f0 * color).clamp(Vec3::ZERO, Vec3::ONE);
-        self
+        self.compensated()
     }
 
     /// With a thin film on a share of it.
     #[must_use]
     pub fn with_film(mut self, share: f32, film: ThinFilm) -> Self {
         self.film = Some((share, film));
-        self
+        self.compensated()
     }
 
     pub(super) fn set_tangent(&mut self, tangent: Vec2) {
@@ -82,9 +112,47 @@ impl TreatedBoundary {
         self.eta
     }
 
-    /// The width that stands for those of its facets.
-    pub(super) fn alpha(&self) -> f32 {
-        self.facets.mean_width(anisotropic::REFLECTED)
+    pub(super) fn facets(&self) -> &Facets {
+        &self.facets
+    }
+
+    /// Mean reflectance at a cosine outside.
+    pub(super) fn reflected_outside(&self, mu: f32) -> f32 {
+        self.meet(mu, true).reflected.element_sum() * (1.0 / 3.0)
+    }
+
+    /// A direction outside to which a visible facet refracts light from the turned direction `o` inside, and the share that
+    /// gets there.
+    pub(super) fn emerging(&self, o: Vec3, u: Vec2) -> Option<(Vec3, f32)> {
+        let h = self.facets.sample_visible(o, u);
+        let c = o.dot(h).clamp(0.0, 1.0);
+        let m = self.meet(c, false);
+        let out = (m.g > 0.0).then(|| fresnel::refract_with(o, h, c, m.g, 1.0 / self.eta))?;
+        let crossed = 1.0 - m.reflected.element_sum() * (1.0 / 3.0);
+        (out.z < 0.0).then(|| (Vec3::new(out.x, out.y, -out.z), crossed * self.passed(o, out)))
+    }
+
+    /// Share of light from the turned direction `o` inside that compensation sends outside.
+    pub(super) fn lost_inside(&self, o: Vec3) -> f32 {
+        let (here, _, lost) = self.lost(false, o);
+        self.losses.as_ref().map_or(0.0, |l| lost * l.crossing(here))
+    }
+
+    /// Density of what compensation sends to the turned direction `i` outside, over that of Lambert's law.
+    pub(super) fn handed_back(&self, i: Vec3) -> f32 {
+        let (here, _, lost) = self.lost(true, i);
+        self.losses.as_ref().map_or(1.0, |l| lost / l.average(here).max(f32::MIN_POSITIVE))
+    }
+
+    /// Share of refracted light that is not masked on its way out, given that it was visible from `o`.
+    fn passed(&self, o: Vec3, i: Vec3) -> f32 {
+        let out = self.facets.masking(i);
+        if self.losses.is_none() {
+            return out;
+        }
+        let correlation = boundary_tables::correlation(self.eta);
+        let seen = self.facets.masking(o);
+        (1.0 - correlation) * out + correlation * (out / seen.max(f32::MIN_POSITIVE)).min(1.0)
     }
 
     /// Whether every sample is a delta.
@@ -121,10 +189,11 @@ impl TreatedBoundary {
         self.tint * if wo.z > 0.0 { self.eta.powi(-2) } else { self.eta.powi(2) }
     }
 
-    /// Which side of the tables light above a side is on, and the share that is lost from the cosine `mu`.
-    fn lost(&self, outside: bool, mu: f32) -> (usize, f32) {
+    /// Which side of the tables light above a side is on, what is lost from the turned direction, and its mean.
+    fn lost(&self, outside: bool, w: Vec3) -> (usize, Vec3, f32) {
         let here = usize::from((self.eta < 1.0) == outside);
-        (here, self.compensation.as_ref().map_or(0.0, |(c, _)| c.loss(here, mu)))
+        let lost = self.losses.as_ref().map_or(Vec3::ZERO, |l| l.lost(here, w));
+        (here, lost, lost.element_sum() * (1.0 / 3.0))
     }
 
     /// f·|cos θ_i| and the density of [`TreatedBoundary::sample`]; zero for a delta.
@@ -136,12 +205,16 @@ impl TreatedBoundary {
         let eta = if outside { self.eta } else { 1.0 / self.eta };
         let o = self.facets.turned(Vec3::new(wo.x, wo.y, wo.z.abs()));
         let i = self.facets.turned(Vec3::new(wi.x, wi.y, if outside { wi.z } else { -wi.z }));
-        let (here, lost) = self.lost(outside, o.z);
+        let (here, lost, share) = self.lost(outside, o);
         let (single, density) =
             if i.z > 0.0 { self.reflected(o, i, outside) } else { self.refracted(o, i, outside, eta) };
-        let again = self.compensation.as_ref().map_or(0.0, |(c, _)| lost_energy(c, here, o.z, i.z));
-        let f = single + Vec3::splat(again);
-        let pdf = (1.0 - lost) * density + again;
+        let (mut f, mut pdf) = (single, (1.0 - share) * density);
+        if let Some(losses) = &self.losses {
+            f += losses.again(here, lost, i);
+            let crossing = losses.crossing(here);
+            let side = if i.z < 0.0 { crossing } else { 1.0 - crossing };
+            pdf += share * side * i.z.abs() * FRAC_1_PI;
+        }
         (if i.z > 0.0 { f } else { self.crossing_weight(wo) * f }, pdf)
     }
 
@@ -168,14 +241,7 @@ impl TreatedBoundary {
         let jacobian = eta * g * ratio * ratio;
         let visible = 2.0 * self.facets.masking_over_two_cos(o) * self.facets.distribution(h) * c * jacobian;
         let m = self.treat(c, g, fresnel::reflectance(c, g, eta), outside);
-        let out = self.facets.masking(i);
-        let passed = match &self.compensation {
-            Some((_, correlation)) => {
-                let seen = self.facets.masking(o);
-                (1.0 - correlation) * out + correlation * (out / seen.max(f32::MIN_POSITIVE)).min(1.0)
-            }
-            None => out,
-        };
+        let passed = self.passed(o, i);
         ((Vec3::ONE - m.reflected) * (visible * passed), (1.0 - m.p) * visible)
     }
 
@@ -192,10 +258,11 @@ impl TreatedBoundary {
         let eta = if outside { self.eta } else { 1.0 / self.eta };
         let o = self.facets.turned(Vec3::new(wo.x, wo.y, wo.z.abs()));
         let delta = self.is_delta();
-        let (here, lost) = self.lost(outside, o.z);
+        let (here, _, lost) = self.lost(outside, o);
         let (again, rest) = if delta { (1, u_lobe) } else { warp::choose(&[lost, 1.0 - lost], u_lobe) };
-        let (i, meeting, reflects) = if let (0, Some((c, _))) = (again, &self.compensation) {
-            (sample_lost(c, here, rest, warp::scramble(u, u_lobe)), None, false)
+        let (i, meeting, reflects) = if let (0, Some(losses)) = (again, &self.losses) {
+            let i = warp::cosine_hemisphere(u);
+            (if rest < losses.crossing(here) { Vec3::new(i.x, i.y, -i.z) } else { i }, None, false)
         } else {
             let h = if delta { Vec3::Z } else { self.facets.sample_visible(o, u) };
             let c = o.dot(h).max(0.0);

@@ -16,7 +16,8 @@ fn untreated_is_the_bare_boundary() {
             let wo = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let (f, g) = (t.eval_pdf(wo, wi).0, b.eval(wo, wi));
-            assert!((f - g).abs().max_element() < 2e-3 * g.x + 1e-5, "{wo} {wi}: {f} for {g}");
+            // What is lost is tabulated for fewer widths here, to some thousandths of the light.
+            assert!((f - g).abs().max_element() < 2e-3 * g.x + 3e-3, "{wo} {wi}: {f} for {g}");
         }
     }
 }
@@ -35,7 +36,7 @@ fn specular_scales_and_tints_the_reflection() {
     }
 }
 
-/// Rough and tinted: reciprocal, sampled as evaluated, and of the energy that the tables of the bare boundary leave.
+/// Rough and tinted: reciprocal, sampled as evaluated, and of all energy in every direction.
 #[test]
 fn rough_treated_boundaries_conserve_energy() {
     let mut worst = 0.0f32;
@@ -48,7 +49,7 @@ fn rough_treated_boundaries_conserve_energy() {
                 let e = hemisphere(cos.signum(), 200, |wi| t.eval_pdf(wo, wi).0.x)
                     + scale * hemisphere(-cos.signum(), 200, |wi| t.eval_pdf(wo, wi).0.x);
                 worst = worst.max((e - 1.0).abs());
-                assert!((e - 1.0).abs() < 0.05, "alpha {alpha}, cos {cos}: {e}");
+                assert!((e - 1.0).abs() < 0.01, "alpha {alpha}, cos {cos}: {e}");
                 let mut rng = Rng::new(9);
                 for _ in 0..100 {
                     let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());

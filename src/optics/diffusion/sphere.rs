@@ -86,6 +86,63 @@ impl Sphere {
     }
 }
 
+/// The isotropic albedo and extinction σt*, in units of the true extinction, that absorb as much and in which light decays
+/// over the same length as in a medium of this albedo that scatters forward, g ≥ 0. It is σs* = (1 − g) σs where
+/// little is absorbed.
+pub fn equivalent(albedo: f64, g: f64) -> (f64, f64) {
+    let absorption = 1.0 - albedo;
+    let reduced = (1.0 - g) * albedo;
+    if g == 0.0 || absorption <= 0.0 || reduced <= 0.0 {
+        return (reduced / (absorption + reduced), absorption + reduced);
+    }
+    let decay = decay(albedo, g);
+    // More scattering shortens the length.
+    let (mut low, mut high) = (0.0, 2.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let extinction: f64 = absorption + middle;
+        if kappa(middle / extinction) * extinction < decay {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let extinction = absorption + low;
+    (low / extinction, extinction)
+}
+
+/// κ, the rate of decay deep inside in units of the extinction, for Henyey and Greenstein's phase function: the least root of
+///
+/// ```text
+/// h₀ − κ²/(h₁ − 4κ²/(h₂ − 9κ²/(h₃ − …))) = 0,   h_l = (2l + 1)(1 − α g^l)
+/// ```
+///
+/// (Case & Zweifel 1967, §4.6: the recurrence of its moments), below which all of the nested denominators are positive.
+fn decay(albedo: f64, g: f64) -> f64 {
+    const MOMENTS: i32 = 400;
+    let h = |l: i32| f64::from(2 * l + 1) * (1.0 - albedo * g.powi(l));
+    let below = |kappa: f64| {
+        let mut denominator = h(MOMENTS);
+        for l in (0..MOMENTS).rev() {
+            denominator = h(l) - (f64::from(l + 1) * kappa).powi(2) / denominator;
+            if denominator <= 0.0 {
+                return false;
+            }
+        }
+        true
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if below(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
 /// κ with 1 = α artanh(κ)/κ, by bisection.
 fn kappa(albedo: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
@@ -269,6 +326,22 @@ mod tests {
             let z = (estimate.mean() - expected) / estimate.standard_error().hypot(1e-3 * expected / 4.0);
             println!("{tau} {albedo}: {} ± {}, {expected}", estimate.mean(), estimate.standard_error());
             assert!(z.abs() < 4.0, "{tau} {albedo}: {} is not {expected}", estimate.mean());
+        }
+    }
+
+    /// Isotropic media are their own equivalents by either way to κ, and near 1 − α = 0 the diffusion length is that of
+    /// transport theory: κ² = 3 (1 − α)(1 − gα) up to (1 − α)².
+    #[test]
+    fn equivalent_media_decay_alike() {
+        for albedo in [0.3, 0.8, 0.99] {
+            let (a, b) = (decay(albedo, 0.0), kappa(albedo));
+            assert!((a - b).abs() < 2e-4, "{albedo}: {a} {b}");
+        }
+        for g in [0.5, 0.9] {
+            let (a, b) = (decay(0.9999, g), (3.0f64 * 1e-4 * (1.0 - g * 0.9999)).sqrt());
+            assert!((a / b - 1.0).abs() < 1e-3, "{g}: {a} {b}");
+            let (albedo, extinction) = equivalent(0.9999, g);
+            assert!(((albedo * extinction) / ((1.0 - g) * 0.9999) - 1.0).abs() < 1e-3);
         }
     }
 
