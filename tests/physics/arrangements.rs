@@ -109,16 +109,16 @@ fn arrangement(seed: u64) -> SceneDescription {
             scene.materials.push(m);
         }
         let at = Vec3::new(0.5 * (k % 2) as f32, 0.5 * (k / 2 % 2) as f32, 0.5 * (k / 4) as f32) - 0.25;
-        let kind = rng.f32();
+        let (kind, smooth) = (rng.f32(), rng.f32() < 0.5);
         let mut mesh = if kind < 0.45 {
             moved(cuboid(Vec3::splat(0.5)), at)
         } else if kind < 0.6 {
             // As large as another, or inside of it.
             moved(cuboid(Vec3::splat([0.5, 1.0, 0.25][k as usize % 3])), Vec3::splat(-0.25 * (k % 2) as f32))
         } else if kind < 0.75 {
-            moved(icosphere(0.25, 2, false), at)
+            moved(icosphere(0.25, 2, smooth), at)
         } else if kind < 0.85 {
-            let [glass, drink] = tumbler(12, false);
+            let [glass, drink] = tumbler(12, smooth);
             if rng.f32() < 0.5 { glass } else { drink }
         } else if kind < 0.95 {
             // Two bodies of one mesh that touch, or cross each other.
