@@ -71,7 +71,7 @@ impl Loader<'_> {
         let before = scene.instances.len();
         scene.instances.retain(|instance| {
             let place = (instance.mesh, instance.transform.to_cols_array().map(f32::to_bits));
-            placed.insert(place) || !opaque[instance.mesh]
+            placed.insert(place) || opaque.get(instance.mesh) == Some(&false)
         });
         self.totals.repeated_objects = before - scene.instances.len();
     }

@@ -64,11 +64,11 @@ impl Loader<'_> {
             [(instances.collect::<Vec<_>>(), exact.instances), (cameras.collect::<Vec<_>>(), exact.cameras)]
         {
             let mut places: Vec<DVec3> = all.iter().map(|t| t.as_dvec3()).collect();
-            exact.into_iter().for_each(|(i, place)| places[i] = place);
+            keep(exact, &mut places);
             all.into_iter().zip(places).for_each(|(t, place)| *t = (place - origin).as_vec3a());
         }
         let mut places: Vec<DVec3> = scene.lights.iter().map(|l| l.position.as_dvec3()).collect();
-        exact.lights.into_iter().for_each(|(i, place)| places[i] = place);
+        keep(exact.lights, &mut places);
         for (light, place) in scene.lights.iter_mut().zip(places) {
             light.position = (place - origin).as_vec3();
         }
@@ -99,7 +99,9 @@ impl Loader<'_> {
     /// The boxes of all objects in the world.
     fn boxes_of_objects(&mut self) -> Vec<Target> {
         let mut places = vec![None; self.scene.instances.len()];
-        self.exact.instances.iter().for_each(|&(i, place)| places[i] = Some(place));
+        for &(i, place) in &self.exact.instances {
+            places.get_mut(i).into_iter().for_each(|known| *known = Some(place));
+        }
         let mut targets = Vec::with_capacity(places.len());
         for (i, place) in places.into_iter().enumerate() {
             let instance = &self.scene.instances[i];
@@ -137,6 +139,13 @@ impl Loader<'_> {
         let corners = self.corners(target.mesh);
         let thickness = (corners[7] - corners[0]).min_element() * target.scale;
         (thickness > 0.0).then_some(thickness)
+    }
+}
+
+/// Puts the places that are known exactly where others are.
+fn keep(exact: Vec<(usize, DVec3)>, places: &mut [DVec3]) {
+    for (i, place) in exact {
+        places.get_mut(i).into_iter().for_each(|known| *known = place);
     }
 }
 

@@ -9,10 +9,13 @@
 
 use super::topology::{distinct_triangles, edge_uses, merged_vertices, same_edge};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The part of an edge that its ends may move at most: a triangle keeps its shape.
 const MOST_OF_AN_EDGE: f64 = 1.0 / 8.0;
+/// Width of the cells of a grid, in tolerances: a search is rarely in more than one of them.
+const ROOMY: f64 = 64.0;
 
 /// An open edge: vertices in the order in which the triangle runs, and where they are.
 #[derive(Clone, Copy)]
@@ -22,8 +25,15 @@ struct Edge {
     reach: f64,
 }
 
-/// A cell of a grid, which is finer for shorter edges.
-type Cell = (i32, [i64; 3]);
+impl Edge {
+    fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    fn middle(&self) -> DVec3 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+}
 
 /// Puts the ends of open edges that are one within `tolerance` into one place; how many vertices were moved.
 /// Deterministic.
@@ -63,37 +73,92 @@ pub fn close_seams(positions: &mut [Vec3], triangles: &[[u32; 3]], tolerance: f3
 
 /// For each edge the nearest other one, and whether it runs the other way.
 fn partners(open: &[Edge], tolerance: f64) -> Vec<Option<(usize, bool)>> {
-    let mut cells: HashMap<Cell, Vec<u32>> = HashMap::new();
-    let level = |edge: &Edge| edge.ends[0].distance(edge.ends[1]).log2().floor() as i32;
-    // At least twice as wide as what an edge of the next level may reach.
-    let width = |level: i32| (2.0 * tolerance).min(f64::from(level).exp2());
-    let middle = |edge: &Edge| 0.5 * (edge.ends[0] + edge.ends[1]);
-    for (i, edge) in open.iter().enumerate() {
-        let cell = (middle(edge) / width(level(edge))).floor().to_array().map(|x| x as i64);
-        cells.entry((level(edge), cell)).or_default().push(i as u32);
-    }
+    let grid = Grid::new(open, tolerance);
     let nearest = |(i, edge): (usize, &Edge)| {
         let mut best: Option<(f64, usize, bool)> = None;
-        for level in level(edge) - 1..=level(edge) + 1 {
-            let first = (middle(edge) / width(level) - 0.5).floor().to_array().map(|x| x as i64);
-            for corner in 0..8 {
-                let cell = [0, 1, 2].map(|axis| first[axis] + i64::from(corner >> axis & 1));
-                for &j in cells.get(&(level, cell)).into_iter().flatten().filter(|&&j| j as usize != i) {
-                    let other = &open[j as usize];
-                    for turned in [true, false] {
-                        let [c, d] = if turned { [other.ends[1], other.ends[0]] } else { other.ends };
-                        let apart = edge.ends[0].distance(c).max(edge.ends[1].distance(d));
-                        let found = (apart, j as usize, turned);
-                        if apart <= edge.reach.min(other.reach) && best.is_none_or(|best| found.0 < best.0) {
-                            best = Some(found);
-                        }
+        grid.visit_near(edge, |j| {
+            let other = &open[j];
+            for turned in [true, false] {
+                let [c, d] = if turned { [other.ends[1], other.ends[0]] } else { other.ends };
+                let apart = edge.ends[0].distance(c).max(edge.ends[1].distance(d));
+                let near = apart <= edge.reach.min(other.reach);
+                if i != j && near && best.is_none_or(|(least, k, _)| (apart, j) < (least, k)) {
+                    best = Some((apart, j, turned));
+                }
+            }
+        });
+        best.map(|(_, j, turned)| (j, turned))
+    };
+    open.par_iter().enumerate().map(nearest).collect()
+}
+
+/// Edges by the cells in which their middles are, in buckets by a hash of the cell: edges of other cells may be among them.
+struct Grid {
+    tolerance: f64,
+    /// Where the edges of each bucket begin; as many buckets as a power of two.
+    starts: Vec<u32>,
+    edges: Vec<u32>,
+}
+
+impl Grid {
+    fn new(open: &[Edge], tolerance: f64) -> Self {
+        let mut grid =
+            Self { tolerance, starts: vec![0; open.len().next_power_of_two() + 1], edges: Vec::new() };
+        let bucket_of = |edge: &Edge| {
+            let level = grid.level(edge.length());
+            grid.bucket(level, grid.cell(level, edge.middle()))
+        };
+        let buckets: Vec<u32> = open.par_iter().map(bucket_of).collect();
+        for &bucket in &buckets {
+            grid.starts[bucket as usize + 1] += 1;
+        }
+        for i in 1..grid.starts.len() {
+            grid.starts[i] += grid.starts[i - 1];
+        }
+        let mut next = grid.starts.clone();
+        grid.edges = vec![0; open.len()];
+        for (edge, bucket) in (0..).zip(buckets) {
+            let place = &mut next[bucket as usize];
+            grid.edges[*place as usize] = edge;
+            *place += 1;
+        }
+        grid
+    }
+
+    /// Cells are much larger than the tolerance, so that most searches are in one of them, but not larger than edges:
+    /// those of a length have cells of their own where that counts.
+    fn level(&self, length: f64) -> i32 {
+        (length.min(ROOMY * self.tolerance)).log2().floor() as i32
+    }
+
+    fn cell(&self, level: i32, p: DVec3) -> [i64; 3] {
+        (p / f64::from(level).exp2()).floor().to_array().map(|x| x as i64)
+    }
+
+    fn bucket(&self, level: i32, cell: [i64; 3]) -> u32 {
+        let mix = |hash: u64, x: i64| (hash ^ x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        let hash = cell.into_iter().fold(mix(0, i64::from(level)), mix);
+        (hash.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32 & (self.starts.len() as u32 - 2)
+    }
+
+    /// Calls `visit` with all edges that may be near, and others, perhaps more than once.
+    fn visit_near(&self, edge: &Edge, mut visit: impl FnMut(usize)) {
+        // Lengths of partners differ by two reaches at most.
+        let lengths = [edge.length() - 2.0 * edge.reach, edge.length() + 2.0 * edge.reach];
+        let [shortest, longest] = lengths.map(|length| self.level(length));
+        for level in shortest..=longest {
+            let [low, high] = [-edge.reach, edge.reach].map(|by| self.cell(level, edge.middle() + by));
+            for x in low[0]..=high[0] {
+                for y in low[1]..=high[1] {
+                    for z in low[2]..=high[2] {
+                        let bucket = self.bucket(level, [x, y, z]) as usize;
+                        let edges = self.starts[bucket] as usize..self.starts[bucket + 1] as usize;
+                        self.edges[edges].iter().for_each(|&j| visit(j as usize));
                     }
                 }
             }
         }
-        best.map(|(_, j, turned)| (j, turned))
-    };
-    open.iter().enumerate().map(nearest).collect()
+    }
 }
 
 /// Disjoint sets of vertices by their lowest; those that are not there are alone.

@@ -277,7 +277,7 @@ fn a_body_that_crosses_itself_is_told_of() {
             .map(|f| f[2][..12].to_owned())
             .collect::<Vec<_>>()
     };
-    assert_eq!(crosses(&findings(&[eight.clone()])), ["1 of 1 part "]);
+    assert_eq!(crosses(&findings(std::slice::from_ref(&eight))), ["1 of 1 part "]);
     assert_eq!(crosses(&findings(&[joined([eight, square.clone()])])), ["1 of 2 parts"]);
     finds(&[square], &[]);
 }
