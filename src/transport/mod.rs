@@ -19,6 +19,7 @@ mod shutter;
 mod split;
 mod state;
 mod surroundings;
+mod terminator;
 mod weight;
 
 pub use media::{Crossing, Enclosure, MediumStack};

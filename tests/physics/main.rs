@@ -2,10 +2,12 @@
 //! invariants. Every statistical statement holds with |z| < 4 for the fixed seed.
 
 mod aiming;
+mod close_lamps;
 mod determinism;
 mod directed_models;
 mod exit_search;
 mod furnace;
+mod inner_lamps;
 mod lab;
 mod lights;
 mod materials;
@@ -16,4 +18,5 @@ mod searchlight;
 mod seen_color;
 mod slabs;
 mod spheres;
+mod terminator;
 mod views;
