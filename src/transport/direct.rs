@@ -42,6 +42,8 @@ pub(super) struct Shaded<'a> {
     pub matched: bool,
     /// The wavelength that was drawn here.
     pub drawn: Option<Drawn>,
+    /// From where reflected light goes that the shading normal sends through the triangle, where there is such a place.
+    pub above: Option<Vec3>,
 }
 
 /// How a boundary was reached from inside.
@@ -105,6 +107,7 @@ impl PathTracer<'_> {
             }
             if let Some(light) = lights.sample_at(&s.anchor, select, u) {
                 sum += self.direct_surface(s, stack, &light, sampler);
+                sum += self.direct_above(s, stack, &light, sampler);
             }
         }
         sum / s.lights as f32

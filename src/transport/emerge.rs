@@ -203,6 +203,7 @@ impl Connector for FlightLights<'_, '_> {
             reached: Reached { aimed, by_aiming: true },
             matched: false,
             drawn: None,
+            above: None,
         };
         shaded.orient(-incoming, normal, true);
         let light = match aim.chosen() {

@@ -27,7 +27,12 @@ impl PathTracer<'_> {
         let mut weighed = connected && !sample.delta;
         let to_front = shaded.front != sample.transmitted;
         let consistent = (wi.dot(geometric) > 0.0) == to_front;
-        if !consistent {
+        let above = if consistent || sample.transmitted || sample.wi.z <= 0.0 {
+            None
+        } else {
+            self.free_above(shaded)
+        };
+        if !consistent && above.is_none() {
             // The shading normal sends the light through the triangle on the wrong side. Losing it would darken
             // silhouettes and break the furnace: it is mirrored back, and as no light sampling can make such a
             // connection it counts in full.
@@ -53,7 +58,7 @@ impl PathTracer<'_> {
         // is still weighed with the vertex before.
         if !(shaded.matched && sample.delta && sample.transmitted) {
             path.vertex = Vertex {
-                point: shaded.surface.position,
+                point: above.unwrap_or(shaded.surface.position),
                 anchor: shaded.anchor,
                 pdf: sample.pdf,
                 connected: weighed,
@@ -62,6 +67,9 @@ impl PathTracer<'_> {
             };
         }
         path.leave_surface(shaded.surface);
+        if let Some(above) = above {
+            path.head.position = above;
+        }
         path.step_in_place(false);
         path.bounces += 1;
         self.survives(path, sampler)

@@ -23,6 +23,7 @@ mod shutter;
 mod split;
 mod state;
 mod surroundings;
+mod terminator;
 mod weight;
 
 pub use media::{Enclosure, MediumStack};

@@ -328,6 +328,7 @@ impl PathTracer<'_> {
             reached: Reached { aimed: path.head.aimed, by_aiming: false },
             matched: enclosure.is_some() && (eta - 1.0).abs() < MATCHED_INDEX,
             drawn,
+            above: None,
         };
         self.scatter(shaded, normal, see_through, path, radiance, sampler)
     }
@@ -357,6 +358,7 @@ impl PathTracer<'_> {
             reached: Reached::default(),
             matched: false,
             drawn: None,
+            above: None,
         };
         self.scatter(shaded, surface.normal, false, path, radiance, sampler)
     }
@@ -372,6 +374,7 @@ impl PathTracer<'_> {
         sampler: &mut Sampler,
     ) -> bool {
         shaded.orient(-path.head.direction, normal, see_through);
+        shaded.above = self.above(&shaded);
         let connected = !shaded.bsdf.is_delta();
         if connected {
             *radiance += path.head.throughput * self.direct(&shaded, &path.stack, sampler);

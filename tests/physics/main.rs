@@ -3,11 +3,13 @@
 
 mod aiming;
 mod arrangements;
+mod close_lamps;
 mod determinism;
 mod directed_models;
 mod exit_search;
 mod furnace;
 mod half_space;
+mod inner_lamps;
 mod lab;
 mod lights;
 mod materials;
@@ -20,4 +22,5 @@ mod seen_color;
 mod slabs;
 mod spheres;
 mod stacks;
+mod terminator;
 mod views;
