@@ -15,5 +15,6 @@ mod models;
 mod searchlight;
 mod seen_color;
 mod slabs;
+mod smooth_glass;
 mod spheres;
 mod views;
