@@ -20,6 +20,7 @@ mod places;
 mod searchlight;
 mod seen_color;
 mod slabs;
+mod smooth_glass;
 mod spheres;
 mod stacks;
 mod terminator;
