@@ -28,7 +28,8 @@ class Medium:
 
 @dataclasses.dataclass
 class Material:
-    """A dielectric; with a medium, or with transmission alone a thin wall, else black or opaque."""
+    """A dielectric; with a medium, or with transmission alone a thin wall, else black or opaque. `alpha` says that it does not
+    cover everywhere, which is not resolved here."""
 
     color: np.ndarray
     roughness: float
@@ -36,6 +37,7 @@ class Material:
     transmission: float
     emission: np.ndarray
     medium: Medium = None
+    alpha: bool = False
 
 
 @dataclasses.dataclass
@@ -160,7 +162,7 @@ def material(m):
                 break
         medium = Medium(sigma_t * (1 - albedo), sigma_t * albedo, g)
     return Material(np.array(pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], float), pbr.get("roughnessFactor", 1.0), ior, transmission,
-                    strength * np.array(m.get("emissiveFactor", [0, 0, 0]), float), medium)
+                    strength * np.array(m.get("emissiveFactor", [0, 0, 0]), float), medium, m.get("alphaMode", "OPAQUE") != "OPAQUE")
 
 
 def containing(scene, body):
@@ -193,6 +195,8 @@ def left_out(scene, nested):
     for body in scene.bodies:
         if body.material.medium and body.material.medium.textured:
             print(f"{body.name}: textured coefficients are not translated", file=sys.stderr)
+        if body.material.alpha:
+            print(f"{body.name}: alpha is not translated; it covers all", file=sys.stderr)
         if not nested and body.material.medium and containing(scene, body):
             print(f"{body.name}: lies within another medium; both count", file=sys.stderr)
     for name in overlapping(scene):

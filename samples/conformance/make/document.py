@@ -1,4 +1,4 @@
-"""A glTF document under construction: boxes, plates, spheres, materials, lights and one camera.
+"""A glTF document under construction: boxes, plates, spheres, bodies of revolution, materials, lights and one camera.
 
 Lengths are metres. The buffer goes to a file beside the document; images are data URIs. Equal input gives equal bytes.
 """
@@ -85,6 +85,32 @@ def icosphere(radius, levels, equal_volume=False):
         volume = np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6
         radius *= (4 / 3 * np.pi / volume) ** (1 / 3)
     return (points * radius).astype(np.float32), np.array(triangles, np.uint16)
+
+
+def revolved(profile, sides):
+    """A body of revolution about y with flat sides: points (radius, height) of its profile from the axis back to the axis, the
+    outside to the right of the way. Points on the axis are single vertices."""
+    points, rings = [], []
+    for r, y in profile:
+        angles = 2 * np.pi * np.arange(sides if r > 0 else 1) / sides
+        rings.append(len(points) + np.arange(sides) % len(angles))
+        points += [(r * np.cos(a), y, r * np.sin(a)) for a in angles]
+    triangles = []
+    for (low, high), (a, b) in zip(zip(rings, rings[1:]), zip(profile, profile[1:])):
+        for k in range(sides):
+            n = (k + 1) % sides
+            if b[0] > 0:
+                triangles.append((low[k], high[k], high[n]))
+            if a[0] > 0:
+                triangles.append((low[k], high[n], low[n]))
+    return np.array(points, np.float32), np.array(triangles, np.uint16)
+
+
+def joined(*meshes):
+    """Several parts as one mesh."""
+    first = np.cumsum([0] + [len(points) for points, _ in meshes])
+    triangles = [triangles + n for (_, triangles), n in zip(meshes, first)]
+    return np.concatenate([points for points, _ in meshes]), np.concatenate(triangles).astype(np.uint16)
 
 
 def split_vertices(mesh):
@@ -181,11 +207,13 @@ class Document:
             {"bufferView": view, "componentType": component, "count": count, "type": kind, **more})
         return len(self.json["accessors"]) - 1
 
-    def mesh(self, mesh, material, uvs=None):
+    def mesh(self, mesh, material, uvs=None, normals=None):
         """A mesh of one material, and its index."""
         points, triangles = mesh
         low, high = ([float(v) for v in f(points, axis=0)] for f in (np.min, np.max))
         attributes = {"POSITION": self.accessor(points, "VEC3", 5126, 34962, min=low, max=high)}
+        if normals is not None:
+            attributes["NORMAL"] = self.accessor(np.asarray(normals, np.float32), "VEC3", 5126, 34962)
         if uvs is not None:
             attributes["TEXCOORD_0"] = self.accessor(np.asarray(uvs, np.float32), "VEC2", 5126, 34962)
         indices = self.accessor(triangles.reshape(-1), "SCALAR", 5123, 34963)
@@ -198,9 +226,9 @@ class Document:
         self.json["nodes"].append(node)
         self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
 
-    def add(self, mesh, material, name, uvs=None, **place):
+    def add(self, mesh, material, name, uvs=None, normals=None, **place):
         """A mesh in a node of its own."""
-        self.node(name=name, mesh=self.mesh(mesh, material, uvs), **place)
+        self.node(name=name, mesh=self.mesh(mesh, material, uvs, normals), **place)
 
     def camera(self, direction, half_height, center=(0, 0, 0), distance=1.0):
         """A square orthographic camera."""
