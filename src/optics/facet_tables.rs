@@ -17,7 +17,7 @@ use std::f32::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 /// Widths from [`MIN_ROUGH_ALPHA`] to 1.
-const WIDTHS: usize = 24;
+const WIDTHS: usize = 36;
 /// Share of the widths spaced geometrically; the rest are spaced evenly.
 const GEOMETRIC_SHARE: f32 = 0.75;
 /// Nodes over the cosine and over a quarter of the azimuth; the other quarters are its mirror images.
@@ -190,8 +190,8 @@ impl<const V: usize> FacetTables<V> {
         ];
         let mut average = [0.0; V];
         for (slice, weight) in corners {
-            for v in 0..V {
-                average[v] += weight * slice.average[v];
+            for (average, x) in average.iter_mut().zip(&slice.average) {
+                *average += weight * x;
             }
         }
         At { corners, swapped, average }

@@ -16,8 +16,9 @@ fn untreated_is_the_bare_boundary() {
             let wo = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let (f, g) = (t.eval_pdf(wo, wi).0, b.eval(wo, wi));
-            // What is lost is tabulated for fewer widths here, to some thousandths of the light.
-            assert!((f - g).abs().max_element() < 2e-3 * g.x + 3e-3, "{wo} {wi}: {f} for {g}");
+            // What is lost comes back to the two sides in other shares than from the bare boundary, near the horizon up to
+            // 0.012 a steradian; all of it comes back from both.
+            assert!((f - g).abs().max_element() < 2e-3 * g.x + 2e-2, "{wo} {wi}: {f} for {g}");
         }
     }
 }
