@@ -71,8 +71,8 @@ impl Losses {
         let masked = &sides[0].average;
         let reflected = (treatment.a + rest) * masked[3] + treatment.b * masked[4];
         let outside = treatment.a + rest + treatment.b * fresnel::diffuse_reflectance(eta);
-        let inside = Vec3::ONE - (Vec3::ONE - outside.clamp(Vec3::ZERO, Vec3::ONE)) / eta2;
-        let stays = reflected * inside.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
+        let outside = outside.clamp(Vec3::ZERO, Vec3::ONE);
+        let stays = reflected * outside.powf(alpha / (alpha + SECOND_BOUNCE_ALPHA));
         let exchange = (total[0] - stays).clamp(Vec3::ZERO, total[0].min(eta2 * total[1]));
         let share = |total: Vec3| (exchange / total.max(Vec3::splat(f32::MIN_POSITIVE))).min(Vec3::ONE);
         losses.transmitted = [share(total[0]), share(eta2 * total[1])];

@@ -181,33 +181,3 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
     }
     assert!(wrong.is_empty(), "{} wrong: {}", wrong.len(), wrong.join(", "));
 }
-#[test]
-#[ignore]
-fn dbg_one() {
-    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
-    let d = arrangement(seed);
-    for (i, m) in d.meshes.iter().enumerate() {
-        let mat = &d.materials[m.triangle_materials[0] as usize];
-        println!(
-            "{i}: {} triangles, material {} rough {} alpha {:?} medium {:?}",
-            m.triangles.len(),
-            m.triangle_materials[0],
-            mat.roughness,
-            mat.alpha_mode,
-            mat.medium.as_ref().map(|m| (m.ior, m.sigma_s, m.priority))
-        );
-        let lo = m.positions.iter().fold(Vec3::INFINITY, |a, b| a.min(*b));
-        let hi = m.positions.iter().fold(Vec3::NEG_INFINITY, |a, b| a.max(*b));
-        println!("   {lo} {hi}");
-    }
-    let scene = Scene::build(d).unwrap();
-    for (i, o) in scene.objects.iter().enumerate() {
-        println!("{i} closed {} parts {} overl {} rank {}", o.closed, o.in_parts, o.overlapped, o.rank);
-    }
-    let mut options = options(ortho(Vec3::new(-0.3, -0.4, -1.0), 3.0, 0.6), 12, 12);
-    options.max_depth = 20_000;
-    let r = nephrite::transport::render(&scene, &options, &()).unwrap();
-    println!("{:?}", r.stats);
-    let e = measure(&scene, &options);
-    println!("{:?} {:?}", e.mean, e.se);
-}
