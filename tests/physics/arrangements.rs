@@ -181,3 +181,93 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
     }
     assert!(wrong.is_empty(), "{} wrong: {}", wrong.len(), wrong.join(", "));
 }
+
+/// A box of the drawing: corners on a coarse grid, so that faces coincide.
+struct Block {
+    low: Vec3,
+    high: Vec3,
+    priority: i32,
+    sigma: f32,
+}
+
+/// What a ray through the blocks is left with: whatever fills a point follows from all that are around it.
+fn left_of(blocks: &[Block], origin: Vec3, direction: Vec3) -> f64 {
+    let spans: Vec<Option<(f32, f32)>> = blocks
+        .iter()
+        .map(|b| {
+            let (a, c) = ((b.low - origin) / direction, (b.high - origin) / direction);
+            let (enter, leave) = (a.min(c).max_element(), a.max(c).min_element());
+            (enter < leave).then_some((enter, leave))
+        })
+        .collect();
+    let mut ends: Vec<f32> = spans.iter().flatten().flat_map(|s| [s.0, s.1]).collect();
+    ends.sort_by(f32::total_cmp);
+    let volume = |b: &Block| (b.high - b.low).element_product();
+    let rank = |i: &usize| (blocks[*i].priority, -volume(&blocks[*i]), *i);
+    let depth_of = |pair: &[f32]| {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let around = (0..blocks.len()).filter(|&i| spans[i].is_some_and(|s| s.0 < middle && middle < s.1));
+        let filling = around.max_by(|a, b| rank(a).partial_cmp(&rank(b)).expect("finite"));
+        filling.map_or(0.0, |i| f64::from(blocks[i].sigma) * f64::from(pair[1] - pair[0]))
+    };
+    (-ends.windows(2).map(depth_of).sum::<f64>()).exp()
+}
+
+#[test]
+fn absorbing_blocks_leave_what_the_media_on_the_way_leave() {
+    let rng = &mut SmallRng::new(5);
+    for case in 0..150 {
+        let count = 2 + (rng.f32() * 5.0) as usize;
+        let blocks: Vec<Block> = (0..count)
+            .map(|_| {
+                let mut corner =
+                    || Vec3::new(rng.f32(), rng.f32(), rng.f32()).map(|x| (5.0 * x).floor() * 0.25 - 0.5);
+                let (a, b) = (corner(), corner());
+                let b = Vec3::select(a.cmpeq(b), a + 0.25, b);
+                let (priority, sigma) = ((rng.f32() * 2.0) as i32, 0.5 + 3.0 * rng.f32());
+                Block { low: a.min(b), high: a.max(b), priority, sigma }
+            })
+            .collect();
+        let turn = Quat::from_euler(EulerRot::XYZ, rng.f32() * 6.0, rng.f32() * 6.0, rng.f32() * 6.0);
+        let scale = if case % 2 == 0 { 1.0 } else { 40.0 };
+        let world =
+            Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, Vec3::new(3.0, -1.0, 0.5));
+        let mut scene = SceneDescription {
+            environment: EnvironmentDescription::Constant(Vec3::ONE),
+            ..Default::default()
+        };
+        for (i, block) in blocks.iter().enumerate() {
+            let mut mesh = cuboid(2.0 * Vec3::ONE);
+            mesh.positions
+                .iter_mut()
+                .for_each(|p| *p = Vec3::select(p.cmplt(Vec3::ZERO), block.low, block.high));
+            if rng.f32() < 0.3 {
+                mesh = flipped(mesh);
+            }
+            mesh.triangle_materials.fill(i as u32);
+            let mut material = subsurface(Vec3::splat(block.sigma / scale), Vec3::ZERO, 0.0, 1.0, 0.0);
+            material.medium.as_mut().expect("a medium").priority = block.priority;
+            scene.materials.push(material);
+            scene.meshes.push(mesh);
+            // Some are moved by their node, by what the others are moved by and a half.
+            let split = rng.f32() < 0.3;
+            let shift = Vec3::new(0.5, 0.25, -0.25);
+            if split {
+                scene.meshes[i].positions.iter_mut().for_each(|p| *p -= shift);
+            }
+            let own = if split { world * Affine3A::from_translation(shift) } else { world };
+            scene.instances.push(place(i, own));
+        }
+        let scene = Scene::build(scene).unwrap();
+        // Not through edges, which the picture of one point would meet with all of its rays.
+        let target = Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 0.8 - 0.4 + 0.0137;
+        let direction = Vec3::new(rng.f32() - 0.5, rng.f32() - 0.5, rng.f32() - 0.5).normalize();
+        let expected = left_of(&blocks, target - 5.0 * direction, direction);
+        let along = world.transform_vector3(direction).normalize();
+        let mut camera = ortho(along, 5.0 * scale, 1e-7 * scale);
+        camera.transform.translation += glam::Vec3A::from(world.transform_point3(target));
+        let found = measure(&scene, &options(camera, 2, 1)).mean[0];
+        // Roundings of coordinates of 200 m, and of the direction, between faces 10 m apart.
+        assert!((found / expected - 1.0).abs() < 1e-3, "case {case}: {found} for {expected}");
+    }
+}

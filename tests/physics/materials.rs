@@ -197,8 +197,9 @@ fn a_film_on_plastic_darkens_as_its_specification_has_it() {
     let scene = Scene::build(scene).expect("builds");
     let estimate = measure(&scene, &options(ortho(Vec3::new(-0.4, -0.3, -0.9), 0.2, 0.022), 24, SAMPLES));
     println!("film on plastic: {:.4?} ± {:.4?}", estimate.mean, estimate.se);
-    // At 400 nm and index 1.3 channels are up to 0.03 from the strongest, at no angle all of them.
-    assert!(estimate.mean.iter().all(|m| (0.97..0.995).contains(m)), "{:?}", estimate.mean);
+    // At 400 nm and index 1.3 channels are up to 0.03 from the strongest, which has all of its light, and none is the
+    // strongest at every angle.
+    assert!(estimate.mean.iter().all(|m| (0.97..0.999).contains(m)), "{:?}", estimate.mean);
 }
 
 /// KHR_materials_clearcoat dims what shines below the coat by its reflectance, 0.04 + 0.96 (1 − cos θ)⁵: a flat emitter
