@@ -6,7 +6,7 @@ use super::nearest::{traverse_lowest, traverse_nearest};
 use super::offset::gamma;
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
 use super::traversal::traverse;
-use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
+use super::triangle_block::{BlockHits, ShearRay, TriangleBlock, nearest_barycentrics};
 use super::wide_bvh::{Block, NONE, WideBvh};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -19,6 +19,21 @@ const GREATEST: f32 = 1.0e18;
 pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
 /// Least cosine between ray and normal for which bands are as long as they should be. Flatter rays are one in a million.
 pub(super) const LEAST_COSINE: f32 = 1.0 / 1024.0;
+
+/// What a query for the closest hit has found.
+struct Found {
+    /// At infinity: nothing.
+    hit: MeshHit,
+    /// Distance of the closest hit but one.
+    second: f32,
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        let hit = MeshHit { t: f32::INFINITY, triangle: NONE, u: 0.0, v: 0.0, band: 0.0, crowded: false };
+        Self { hit, second: f32::INFINITY }
+    }
+}
 
 /// Triangles and the hierarchy that answers ray queries about them. Immutable.
 ///
@@ -34,6 +49,8 @@ pub struct MeshGeometry {
     normals: Vec<Vec3>,
     dropped: usize,
     reversed: bool,
+    /// The largest coordinate of the bounds.
+    reach: f32,
 }
 
 impl MeshGeometry {
@@ -62,7 +79,9 @@ impl MeshGeometry {
             TriangleBlock::new(ids, corners)
         };
         let bvh = WideBvh::build(&boxes, 8, holds, leaf);
-        Self { bvh, positions, triangles, normals, dropped, reversed }
+        let Aabb { min, max } = bvh.bounds;
+        let reach = if bvh.bounds.is_empty() { 0.0 } else { min.abs().max(max.abs()).max_element() };
+        Self { bvh, positions, triangles, normals, dropped, reversed, reach }
     }
 
     /// Triangles that were left out because a coordinate or an index cannot be used.
@@ -211,38 +230,52 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
         let mut shear = None;
-        let mut closest: Option<MeshHit> = None;
-        // Distance of the closest hit but one.
-        let mut second = f32::INFINITY;
-        traverse::<L, true, _>(&self.bvh, ray, |block, mut t_max| {
+        let mut found = Found::default();
+        traverse::<L, true, _>(&self.bvh, ray, |block, t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            if let Some(hits) = block.intersect(shear, t_max) {
-                for lane in bits(hits.mask) {
-                    let t = hits.t[lane];
-                    let least = closest.as_ref().map_or(f32::INFINITY, |hit| hit.t);
-                    second = second.min(t.max(least));
-                    if t < least {
-                        let triangle = block.ids[lane];
-                        let band = self.band(ray, triangle);
-                        t_max = t_max.min(t + band);
-                        let (u, v) = (hits.u[lane], hits.v[lane]);
-                        closest = Some(MeshHit { t, triangle, u, v, band, crowded: false });
-                    }
-                }
+            match block.intersect(shear, t_max) {
+                Some(hits) => self.keep(&mut found, ray, (block, &hits), t_max),
+                None => t_max,
             }
-            t_max
         });
-        closest.map(|hit| MeshHit { crowded: second <= hit.t + hit.band, ..hit })
+        let Found { hit, second } = found;
+        (hit.t < f32::INFINITY).then(|| MeshHit { crowded: second <= hit.t + hit.band, ..hit })
     }
 
-    /// Length of a ray before and after a triangle of this mesh on which other surfaces count as in the same place.
+    /// Keeps the closest of the hits of a block; where the ray ends then.
+    // A call: what happens once or twice a ray takes no registers from the loop.
+    #[inline(never)]
+    fn keep(
+        &self,
+        found: &mut Found,
+        ray: &Ray,
+        (block, hits): (&TriangleBlock, &BlockHits),
+        mut t_max: f32,
+    ) -> f32 {
+        for lane in bits(hits.mask) {
+            let t = hits.t[lane];
+            found.second = found.second.min(t.max(found.hit.t));
+            if t < found.hit.t {
+                let (triangle, u, v) = (block.ids[lane], hits.u[lane], hits.v[lane]);
+                let band = self.band(ray, block.cosine(lane, ray.direction));
+                t_max = t_max.min(t + band);
+                found.hit = MeshHit { t, triangle, u, v, band, crowded: false };
+            }
+        }
+        t_max
+    }
+
+    /// Length of a ray before and after a triangle of this mesh on which other surfaces count as in the same place, by the
+    /// cosine between them.
     #[inline]
-    pub(super) fn band(&self, ray: &Ray, triangle: u32) -> f32 {
-        let bounds = self.bounds();
-        let farthest = (bounds.min - ray.origin).abs().max((bounds.max - ray.origin).abs());
-        let coordinates = (ray.origin.abs() + farthest).max_element();
-        let cosine = self.geometric_normal(triangle).dot(ray.direction).abs();
-        ROUNDING * coordinates / cosine.max(LEAST_COSINE)
+    pub(super) fn band(&self, ray: &Ray, cosine: f32) -> f32 {
+        ROUNDING * self.coordinates(ray) / cosine.max(LEAST_COSINE)
+    }
+
+    /// Bound of the coordinates that are met on the way of a ray to the mesh.
+    #[inline]
+    pub(super) fn coordinates(&self, ray: &Ray) -> f32 {
+        2.0 * ray.origin.abs().max_element() + self.reach
     }
 
     #[inline(always)]

@@ -243,10 +243,10 @@ impl SceneGeometry {
         let local = transform.inverse_ray(ray);
         let mesh = self.mesh_of(instance);
         let hit = mesh.intersect(&local)?;
-        let cosine = mesh.geometric_normal(hit.triangle).dot(local.direction).abs().max(LEAST_COSINE);
+        // The roundings of both spaces, across the same plane.
         let coordinates = ray.origin.abs().max_element() + transform.translation.abs().max_element();
-        let hit = to_world(instance, transform, hit);
-        Some(Hit { band: hit.band + ROUNDING * coordinates / cosine, ..hit })
+        let more = transform.inverse_length(coordinates) / mesh.coordinates(&local).max(f32::MIN_POSITIVE);
+        Some(to_world(instance, transform, MeshHit { band: hit.band * (1.0 + more), ..hit }))
     }
 
     /// Visits all hits, in no order that means anything.
@@ -293,7 +293,7 @@ impl SceneGeometry {
         let local = transform.inverse_ray(ray);
         let cosine = mesh.geometric_normal(triangle).dot(local.direction).abs().max(LEAST_COSINE);
         let coordinates = ray.origin.abs().max_element() + transform.translation.abs().max_element();
-        transform.scale * mesh.band(&local, triangle) + ROUNDING * coordinates / cosine
+        transform.scale * mesh.band(&local, cosine) + ROUNDING * coordinates / cosine
     }
 
     /// The point of a hit in world space.

@@ -226,7 +226,7 @@ fn walk_steered<S: Steering>(
             let (flight, scattered) = draws.event(d);
             next_flight = flight;
             let turned = stretch.direction(sampler.rng()).unwrap_or(scattered);
-            let mut intruder = intruders.intersect(p, outset.take(), d, t);
+            let intruder = intruders.intersect(p, outset.take(), d, t);
             // The boundary may be in the same place as what is met before it.
             let t_max = intruder.as_ref().map_or(t, |hit| hit.t + hit.band);
             if t >= clear {
@@ -234,9 +234,9 @@ fn walk_steered<S: Steering>(
                 (clear, stays) = distance.bound_ahead(mesh, p, d * t);
                 if t >= clear && !stays {
                     let boundary = mesh.intersect(&Ray { origin: p, direction: d, t_max });
-                    let (boundary, inside) = first_of(boundary, intruder);
-                    intruder = inside;
-                    if let Some(hit) = boundary {
+                    if let Some(hit) = boundary
+                        && let Some(hit) = before_intruder(hit, intruder.as_ref())
+                    {
                         let mut aimed = Aimed::default();
                         if at_events {
                             aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
@@ -314,16 +314,13 @@ fn walk_steered<S: Steering>(
     arrival
 }
 
-/// Of what a flight meets, of its object's boundary and inside of it, what comes first; crowded where they are in one place.
+/// A hit of the boundary, if it comes before what is inside or is in one place with it; crowded then.
 #[inline]
-fn first_of(boundary: Option<MeshHit>, inside: Option<Hit>) -> (Option<MeshHit>, Option<Hit>) {
-    let (Some(a), Some(b)) = (&boundary, &inside) else { return (boundary, inside) };
-    let together = (a.t - b.t).abs() <= a.band.max(b.band);
-    if a.t <= b.t {
-        (boundary.map(|a| MeshHit { crowded: a.crowded || together, ..a }), None)
-    } else {
-        (None, inside.map(|b| Hit { crowded: b.crowded || together, ..b }))
-    }
+fn before_intruder(boundary: MeshHit, inside: Option<&Hit>) -> Option<MeshHit> {
+    let Some(inside) = inside else { return Some(boundary) };
+    let together = (boundary.t - inside.t).abs() <= boundary.band.max(inside.band);
+    let crowded = boundary.crowded || together;
+    (together || boundary.t < inside.t).then_some(MeshHit { crowded, ..boundary })
 }
 
 /// Guides walks from `p` towards the strongest light that directions can be aimed at.

@@ -1,6 +1,7 @@
 //! Next-event estimation: connecting a vertex to a light.
 
 use super::dispersion::Drawn;
+use super::interface::Crossing;
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
@@ -24,8 +25,8 @@ pub(super) struct Shaded<'a> {
     pub front: bool,
     /// The object whose boundary this is, if it bounds a medium.
     pub enclosure: Option<Enclosure>,
-    /// The objects around the other side.
-    pub beyond: MediumStack,
+    /// What leads to the other side of a boundary.
+    pub crossing: Option<&'a Crossing>,
     /// What else is in the same place.
     pub place: Option<&'a InPlace>,
     /// Squared index of the path's wavelength over that of the medium, each inside over outside.
@@ -155,8 +156,11 @@ impl PathTracer<'_> {
         if contribution.max_element() <= 0.0 {
             return Vec3::ZERO;
         }
-        let transmitted = s.enclosure.is_some() && to_front != s.front;
-        let (mut stack, scale) = if transmitted { (s.beyond, s.undispersed()) } else { (*stack, 1.0) };
+        let (mut stack, mut scale) = (*stack, 1.0);
+        if let Some(crossing) = s.crossing.filter(|_| to_front != s.front) {
+            crossing.apply(&mut stack);
+            scale = s.undispersed();
+        }
         let (ray, through) = match s.place {
             Some(place) => self.shadow_ray_in(place, light, &mut stack),
             None => (self.shadow_ray_from(s.surface, light), Vec3::ONE),

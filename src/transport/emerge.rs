@@ -194,7 +194,7 @@ impl Connector for FlightLights<'_, '_> {
             wo: Vec3::Z,
             front: false,
             enclosure: Some(contrast.enclosure),
-            beyond: interface.beyond,
+            crossing: Some(&interface.crossing),
             place: None,
             dispersed: 1.0,
             anchor: Shaded::NOWHERE,

@@ -25,14 +25,35 @@ use crate::subsurface::TOUCHING;
 use glam::Vec3;
 
 /// The boundaries of media in one place, crossed in one direction.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Interface {
-    /// The objects on the side of arrival: those that the path knows of, unless it had lost count.
-    pub before: MediumStack,
-    /// The objects on the other side.
-    pub beyond: MediumStack,
+    /// The objects on the side of arrival, where the path had lost count of them.
+    pub corrected: Option<Box<MediumStack>>,
+    /// What leads to the other side.
+    pub crossing: Crossing,
     /// `None`: the same medium is on both sides.
     pub contrast: Option<Contrast>,
+}
+
+/// What crossing boundaries does to the stack of a path. Where there is one it is kept as what changes: stacks are large, and
+/// most paths that meet a boundary do not cross it at once.
+#[derive(Clone, Debug)]
+pub(super) enum Crossing {
+    /// This object now winds so often about the path.
+    One(Enclosure, i32),
+    /// These are the objects on the other side.
+    Several(Box<MediumStack>),
+}
+
+impl Crossing {
+    /// Takes a path, which has arrived with `stack`, to the other side.
+    #[inline]
+    pub fn apply(&self, stack: &mut MediumStack) {
+        match self {
+            Self::One(enclosure, winding) => stack.set(*enclosure, *winding),
+            Self::Several(beyond) => *stack = **beyond,
+        }
+    }
 }
 
 /// Two media that meet.
@@ -52,31 +73,70 @@ pub(super) struct Contrast {
 
 impl PathTracer<'_> {
     /// What `boundaries`, all those of media in one place, are to a path with this stack that travels in `direction`.
+    // Inlined, as what it returns is large and is written in small pieces.
+    #[inline(always)]
     pub(super) fn interface(
         &self,
         stack: &MediumStack,
         boundaries: &[Surface],
         direction: Vec3,
     ) -> Interface {
-        let (mut before, mut beyond) = (*stack, *stack);
+        if let [surface] = boundaries
+            && let Some(interface) = self.single(stack, surface, direction)
+        {
+            return interface;
+        }
+        self.several(stack, boundaries, direction)
+    }
+
+    /// One boundary that the stack agrees with: mostly there is no more to ask.
+    #[inline(always)]
+    fn single(&self, stack: &MediumStack, surface: &Surface, direction: Vec3) -> Option<Interface> {
+        let enclosure = self.enclosure_of(surface)?;
+        let entering = direction.dot(surface.geometric_normal) < 0.0;
+        if stack.winding(enclosure.instance) != i32::from(!entering) {
+            return None;
+        }
+        let top = stack.current();
+        let (fills, outside) = if entering {
+            (top.is_none_or(|top| top.rank < enclosure.rank).then_some(enclosure), top)
+        } else {
+            (top.filter(|top| top.instance == enclosure.instance), stack.below())
+        };
+        let contrast = fills
+            .filter(|e| {
+                outside.is_none_or(|o| o.material != e.material || !self.scene.transmits_all(surface))
+            })
+            .map(|enclosure| {
+                let eta = self.ior_of(Some(enclosure)) / self.ior_of(outside);
+                Contrast { boundary: 0, enclosure, entering, outside, eta }
+            });
+        let crossing = Crossing::One(enclosure, i32::from(entering));
+        Some(Interface { corrected: None, crossing, contrast })
+    }
+
+    #[cold]
+    fn several(&self, stack: &MediumStack, boundaries: &[Surface], direction: Vec3) -> Interface {
+        let mut beyond = *stack;
+        let mut corrected: Option<Box<MediumStack>> = None;
         for (i, surface) in boundaries.iter().enumerate() {
             let Some(enclosure) = self.enclosure_of(surface) else { continue };
             let instance = enclosure.instance;
             let change = if direction.dot(surface.geometric_normal) < 0.0 { 1 } else { -1 };
             let first = boundaries[..i].iter().all(|other| other.instance != instance);
             if first {
-                let known = before.winding(instance);
+                let known = stack.winding(instance);
                 let may_overlap = self.scene.objects[instance as usize].in_parts;
                 if (change < 0 && known <= 0) || (change > 0 && known > 0 && !may_overlap) {
                     let there = self.winding_before(surface, direction, change, known);
-                    before.set(enclosure, there);
+                    corrected.get_or_insert_with(|| Box::new(*stack)).set(enclosure, there);
                     beyond.set(enclosure, there);
                 }
             }
             beyond.wind(enclosure, change);
         }
-        let contrast = self.contrast(&before, &beyond, boundaries);
-        Interface { before, beyond, contrast }
+        let contrast = self.contrast(corrected.as_deref().unwrap_or(stack), &beyond, boundaries);
+        Interface { corrected, crossing: Crossing::Several(Box::new(beyond)), contrast }
     }
 
     /// How often the object of a boundary winds about the path just before it comes there, asked anew.
@@ -92,6 +152,7 @@ impl PathTracer<'_> {
         geometry.mesh_of(instance).winding_number(transform.inverse_point(point))
     }
 
+    #[inline]
     fn contrast(
         &self,
         before: &MediumStack,
@@ -130,12 +191,13 @@ impl PathTracer<'_> {
     }
 
     /// Tells a path where it is. L/n² stays, so the weight of radiance changes with the index.
-    pub(super) fn move_to(&self, path: &mut Path, stack: &MediumStack) {
-        let ratio = self.ior_in(&path.stack) / self.ior_in(stack);
+    pub(super) fn moved(&self, path: &mut Path, change: impl FnOnce(&mut MediumStack)) {
+        let before = self.ior_in(&path.stack);
+        change(&mut path.stack);
+        let ratio = before / self.ior_in(&path.stack);
         if ratio != 1.0 {
             path.head.throughput *= ratio * ratio;
         }
-        path.stack = *stack;
     }
 
     /// Finds out what is around an exit from an object that others overlap or touch; the way from there begins beyond their

@@ -50,9 +50,9 @@ impl PathTracer<'_> {
         }
         path.head.throughput *= sample.weight;
         path.head.direction = wi;
-        if shaded.enclosure.is_some() && sample.transmitted {
+        if let Some(crossing) = shaded.crossing.filter(|_| sample.transmitted) {
             path.head.throughput *= shaded.undispersed();
-            path.stack = shaded.beyond;
+            crossing.apply(&mut path.stack);
         }
         // Through a boundary between equal indices light goes straight on, and so do shadow rays: what is found beyond it
         // is still weighed with the vertex before.

@@ -50,6 +50,12 @@ impl MediumStack {
         self.entries[..self.len as usize].last().copied()
     }
 
+    /// The object that would fill the point without that one.
+    #[inline]
+    pub fn below(&self) -> Option<Enclosure> {
+        self.entries[..(self.len as usize).saturating_sub(1)].last().copied()
+    }
+
     /// Whether nothing is around the path.
     #[inline]
     pub fn is_empty(&self) -> bool {

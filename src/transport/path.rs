@@ -229,8 +229,8 @@ impl PathTracer<'_> {
         path.events += 1;
         let bounds_medium = self.bounds_medium(&surfaces[0]);
         let interface = bounds_medium.then(|| self.interface(&path.stack, surfaces, path.head.direction));
-        if let Some(interface) = &interface {
-            self.move_to(path, &interface.before);
+        if let Some(stack) = interface.as_ref().and_then(|i| i.corrected.as_deref()) {
+            self.moved(path, |s| *s = *stack);
         }
         let contrast = interface.as_ref().and_then(|i| i.contrast);
         let mut surface = surfaces[contrast.map_or(0, |c| c.boundary)];
@@ -319,7 +319,7 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front,
             enclosure,
-            beyond: interface.map_or(path.stack, |i| i.beyond),
+            crossing: interface.as_ref().map(|i| &i.crossing),
             place: place.as_ref(),
             dispersed,
             anchor: Shaded::NOWHERE,
@@ -349,7 +349,7 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front: true,
             enclosure: None,
-            beyond: path.stack,
+            crossing: None,
             place: None,
             dispersed: 1.0,
             anchor: Shaded::NOWHERE,
@@ -396,7 +396,7 @@ impl PathTracer<'_> {
     /// Goes straight on through what is not there, into what is beyond it.
     fn pass(&self, surface: &Surface, interface: Option<&Interface>, path: &mut Path) -> bool {
         if let Some(interface) = interface {
-            self.move_to(path, &interface.beyond);
+            self.moved(path, |stack| interface.crossing.apply(stack));
         }
         path.pass(surface);
         true

@@ -144,7 +144,15 @@ impl InPlace {
 
 impl Path {
     /// Goes on from the member of a place that the path has met.
+    #[inline]
     pub fn step_in_place(&mut self, passed: bool) {
+        if self.place.is_some() {
+            self.step(passed);
+        }
+    }
+
+    #[cold]
+    fn step(&mut self, passed: bool) {
         let Some(mut place) = self.place.take() else { return };
         let direction = self.head.direction;
         if place.step(direction, passed) {

@@ -173,7 +173,7 @@ impl PathTracer<'_> {
             return Vec3::splat(1.0 - self.coverage(&surfaces[0]));
         }
         let interface = self.interface(stack, surfaces, direction);
-        *stack = interface.beyond;
+        interface.crossing.apply(stack);
         let Some(contrast) = interface.contrast else { return Vec3::ONE };
         let surface = &surfaces[contrast.boundary];
         let covered = self.coverage(surface);
