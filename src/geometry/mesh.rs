@@ -239,7 +239,7 @@ impl MeshGeometry {
             }
         });
         let Found { hit, second } = found;
-        (hit.t < f32::INFINITY).then(|| MeshHit { crowded: second <= hit.t + hit.band, ..hit })
+        (hit.t < f32::INFINITY).then_some(MeshHit { crowded: second <= hit.t + hit.band, ..hit })
     }
 
     /// Keeps the closest of the hits of a block; where the ray ends then.
