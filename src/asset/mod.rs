@@ -88,7 +88,7 @@ pub struct LoadOptions {
     /// Name or index of the camera that is looked through; by default the first. Where it and what it sees are far from
     /// the origin of the file, positions are counted from there ([`SceneDescription::origin`]).
     pub camera: Option<String>,
-    /// [`SceneDescription::weld_tolerance`].
+    /// `SceneDescription::weld_tolerance`.
     pub weld_tolerance: Option<f32>,
 }
 
