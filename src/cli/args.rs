@@ -107,7 +107,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "none|shadow|color|R,G,B", default_value = "none", value_parser = ground)]
     pub ground: GroundArg,
 
-    /// Most events of a path, scatterings included; paths cut off here lose light
+    /// Most reflections, refractions and scatterings of a path; paths cut off here lose light
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: u32,
 

@@ -83,6 +83,7 @@ impl PathTracer<'_> {
                 aimed: Aimed::default(),
             },
             events: path.events + 1,
+            passes: path.passes,
             bounces: 1,
             total_reflections: 0,
             wavelength: path.wavelength,

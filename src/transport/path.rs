@@ -19,6 +19,8 @@ use std::cell::Cell;
 
 /// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
 const LIGHTS_AT_EXITS: u32 = 3;
+/// Surfaces that a path may pass straight, so that none goes on for ever.
+const MOST_PASSES: u32 = 1 << 20;
 /// Lights that are sampled where the camera sees an opaque surface: cheap beside the walks of a sample. Measured.
 const LIGHTS_IN_VIEW: u32 = 2;
 
@@ -69,6 +71,7 @@ impl PathTracer<'_> {
             place: None,
             vertex: Vertex::unconnected(ray.origin),
             events: 0,
+            passes: 0,
             bounces: 0,
             total_reflections: 0,
             wavelength: None,
@@ -93,14 +96,12 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> Option<Caught> {
-        while path.events < self.options.max_depth {
+        while path.passes < MOST_PASSES {
             if path.place.is_some() {
                 if self.meet_in_place(path, radiance, sampler) {
                     continue;
                 }
-                if path.events >= self.options.max_depth {
-                    break;
-                }
+                self.count_cut(path);
                 return None;
             }
             let from = path.head.position;
@@ -123,14 +124,19 @@ impl PathTracer<'_> {
                 Arrival::Ended => false,
             };
             if !alive {
-                if path.events >= self.options.max_depth {
-                    break;
-                }
+                self.count_cut(path);
                 return None;
             }
         }
         self.count(|c| c.truncated += 1);
         None
+    }
+
+    /// Counts a path that has ended if it was for an event too many.
+    fn count_cut(&self, path: &Path) {
+        if path.events > self.options.max_depth {
+            self.count(|c| c.truncated += 1);
+        }
     }
 
     /// Moves the head to where it arrives next.
@@ -152,7 +158,8 @@ impl PathTracer<'_> {
             return arrival;
         }
         let object = &self.scene.objects[enclosure.instance as usize];
-        let budget = self.options.max_depth - path.events;
+        // An event more than there may be ends the path: the flight after the last one is to arrive.
+        let budget = self.options.max_depth.saturating_sub(path.events).saturating_add(1);
         let connection = self.connection(path, object, medium);
         let mut around = path.stack;
         around.leave(enclosure.instance);
@@ -226,7 +233,6 @@ impl PathTracer<'_> {
         sampler: &mut Sampler,
     ) -> bool {
         let wo = -path.head.direction;
-        path.events += 1;
         let bounds_medium = self.bounds_medium(&surfaces[0]);
         let interface = bounds_medium.then(|| self.interface(&path.stack, surfaces, path.head.direction));
         if let Some(stack) = interface.as_ref().and_then(|i| i.corrected.as_deref()) {
@@ -282,6 +288,10 @@ impl PathTracer<'_> {
             }
         }
         path.direct_view = false;
+        path.events += 1;
+        if path.events > self.options.max_depth {
+            return false;
+        }
         let shading = Shading::new(self.scene, &surface);
         let normal = match refracting {
             // A wavelength that is drawn here must not matter to where the boundary reflects.

@@ -42,7 +42,8 @@ pub struct RenderOptions {
     pub camera: CameraDescription,
     /// Name of the subsurface model.
     pub subsurface: String,
-    /// Most events (surfaces met and scatterings) of a path.
+    /// Most events of a path between the camera and the light that it finds: reflections, refractions and scatterings. What
+    /// is passed straight does not count.
     pub max_depth: u32,
     /// Whether rough surfaces scatter more than once.
     pub microfacet: Microfacet,

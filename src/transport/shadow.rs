@@ -21,6 +21,9 @@ use glam::Vec3;
 /// What the distance of a punctual light may be off by, relative to coordinates.
 const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
 
+/// Surfaces that a shadow ray may pass, so that none goes on for ever.
+const MOST_PASSED: u32 = 1 << 16;
+
 /// A shadow ray from a surface or an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadowRay {
@@ -94,7 +97,7 @@ impl PathTracer<'_> {
         }
         let start = self.ior_in(&stack);
         let (mut result, mut remaining, mut from) = (Vec3::ONE, distance, ray.from);
-        for _ in 0..self.options.max_depth {
+        for _ in 0..MOST_PASSED {
             let t_max = if emitter.is_some() { remaining + band } else { remaining - band };
             let hit = geometry.intersect(&Ray { origin, direction, t_max });
             let length = match &hit {

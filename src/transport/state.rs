@@ -57,7 +57,10 @@ pub(super) struct Path {
     /// Where it is in one place with several surfaces, and has not left it.
     pub place: Option<InPlace>,
     pub vertex: Vertex,
+    /// Reflections, refractions and scatterings. What is passed straight is none.
     pub events: u32,
+    /// Surfaces that were passed straight.
+    pub passes: u32,
     pub bounces: u32,
     /// Total reflections in a row at boundaries with shading normals.
     pub total_reflections: u32,
@@ -72,6 +75,7 @@ pub(super) struct Path {
 impl Path {
     /// Goes straight on through a surface that is not there.
     pub fn pass(&mut self, surface: &Surface) {
+        self.passes += 1;
         self.leave_surface(surface);
         self.step_in_place(true);
     }

@@ -362,3 +362,39 @@ fn a_sheet_right_before_a_lamp_casts_a_shadow() {
     let half = below_a_lamp(vec![sheet(1.0, 0.5)], true).x;
     assert!((half / (0.5 * expected) - 1.0).abs() < 0.01, "half a sheet on top: {half}");
 }
+
+#[test]
+fn depth_counts_what_turns_light_and_not_what_it_passes() {
+    // A white mirror behind sheets that are not there, at two places each: one reflection.
+    let mirror = MaterialDescription { base_color: Vec4::ONE, metallic: 1.0, roughness: 0.0, ..unlit_off() };
+    let mut parts = vec![(quad(1.0), mirror)];
+    for k in 1..6 {
+        let sheet = |mut mesh: MeshDescription| {
+            mesh.positions.iter_mut().for_each(|p| p.z = 0.1 * k as f32);
+            mesh
+        };
+        parts.push((sheet(quad(0.9)), unlit(GREEN, 0.0)));
+        parts.push((sheet(quad(0.8)), unlit(RED, 0.0)));
+    }
+    let mut description = scene_of(parts, Affine3A::IDENTITY);
+    description.environment = EnvironmentDescription::Constant(Vec3::ONE);
+    let scene = Scene::build(description).unwrap();
+    let camera = ortho(Vec3::new(0.1, 0.2, -1.0), 2.0, 0.02);
+    let rendered =
+        render(&scene, &RenderOptions { max_depth: 1, ..options(camera, 4, 4) }, &()).expect("renders");
+    assert!(rendered.film.pixels.iter().all(|p| (*p - 1.0).abs().max_element() < 1e-5));
+    assert_eq!(rendered.stats.truncated_paths, 0);
+
+    // Smooth glass is crossed twice: with one event the light is cut off, and counted.
+    let glass = subsurface(Vec3::ZERO, Vec3::ZERO, 0.0, 1.5, 0.0);
+    let scene = single(cuboid(Vec3::ONE), glass, EnvironmentDescription::Constant(Vec3::ONE));
+    let scene = Scene::build(scene).unwrap();
+    let seen = |max_depth: u32| {
+        let camera = ortho(Vec3::NEG_Z, 2.0, 0.2);
+        render(&scene, &RenderOptions { max_depth, ..options(camera, 8, 64) }, &()).expect("renders")
+    };
+    let (one, two) = (seen(1), seen(2));
+    // 4 % are reflected at each face: 4096 samples, standard error 0.003.
+    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013 && one.stats.truncated_paths > 3500);
+    assert!((mean(&two.film.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
+}
