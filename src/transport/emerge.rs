@@ -58,7 +58,11 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 (scene.lights.environment_radiance(direction), density)
             }
             Some(hit) => {
-                let top = || InPlace::new(scene, &hit, direction, false)?.member()?.first().copied();
+                let top = || {
+                    let mut stack = self.stack;
+                    shaded.crossing?.apply(&mut stack);
+                    InPlace::new(scene, &hit, direction, (&stack, false))?.member()?.first().copied()
+                };
                 let alone = Surface::new(scene, &hit);
                 let surface = if hit.crowded { top().unwrap_or(alone) } else { alone };
                 let material = scene.material(surface.material);

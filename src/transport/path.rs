@@ -215,7 +215,7 @@ impl PathTracer<'_> {
         let surface = Surface::new(self.scene, hit);
         path.footprint.travel(surface.position.distance(path.head.position));
         if hit.crowded {
-            path.place = InPlace::new(self.scene, hit, path.head.direction, path.direct_view);
+            path.place = InPlace::new(self.scene, hit, path.head.direction, (&path.stack, path.direct_view));
             if path.place.is_some() {
                 path.head.aimed = Aimed::default();
                 return self.meet_in_place(path, radiance, sampler);

@@ -3,7 +3,8 @@
 //! They are met one after the other, as if thin gaps were between them, from the top down:
 //!
 //! - The later in the document lies on top, from whichever side one looks: a label that was modelled after its wall covers
-//!   it. All boundaries of media are one member of this order, at the place of the last of them ([`super::interface`]).
+//!   it. All boundaries of media are one member of this order, at the place of the last of them ([`super::interface`]). From
+//!   inside of what they bound they come first, so that a body which stands on a floor has air below it, as if a little above.
 //! - Faces that are culled are not there where something else is: of two single-sided faces of opposite winding, the one that
 //!   shows its front is met.
 //! - Where a member does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that comes back
@@ -11,6 +12,7 @@
 //! - Where a member sends the path on through it, the next one below is met, and where it sends it back, the one above.
 //! - Shadow rays that start at a member pass the others on their side of it.
 
+use super::media::MediumStack;
 use super::path::PathTracer;
 use super::state::Path;
 use crate::geometry::{Hit, offset_origin};
@@ -47,7 +49,12 @@ pub(super) struct InPlace {
 
 impl InPlace {
     /// What a ray in a unit direction meets in the place of a crowded hit; `None` where it is alone after all.
-    pub fn new(scene: &Scene, hit: &Hit, direction: Vec3, direct_view: bool) -> Option<Self> {
+    pub fn new(
+        scene: &Scene,
+        hit: &Hit,
+        direction: Vec3,
+        (stack, direct_view): (&MediumStack, bool),
+    ) -> Option<Self> {
         let found = scene.geometry.place(hit, direction);
         if found.len() < 2 {
             return None;
@@ -87,6 +94,11 @@ impl InPlace {
             if !repeated {
                 members[at].push(surface);
             }
+        }
+        if let Some(at) = boundaries
+            && members[at].iter().all(|s| stack.winding(s.instance) != 0)
+        {
+            members[..=at].rotate_right(1);
         }
         let left = (0..members.len() as u32).collect();
         let up = if n.dot(direction) < 0.0 { n } else { -n };

@@ -106,7 +106,8 @@ impl PathTracer<'_> {
             };
             result *= self.segment_transmittance(origin, direction, length, &stack, sampler);
             let Some(hit) = hit else { break };
-            let place = hit.crowded.then(|| InPlace::new(self.scene, &hit, direction, false)).flatten();
+            let place =
+                hit.crowded.then(|| InPlace::new(self.scene, &hit, direction, (&stack, false))).flatten();
             let itself = |s: &Surface| emitter == Some((s.instance, s.triangle));
             let surface = Surface::new(self.scene, &hit);
             let mut arrived = false;

@@ -398,3 +398,28 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013 && one.stats.truncated_paths > 3500);
     assert!((mean(&two.film.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
 }
+
+#[test]
+fn a_body_on_a_floor_looks_as_if_it_stood_a_little_above() {
+    let look = |gap: f32, floor_first: bool| {
+        let mut floor = quad(2.0);
+        floor.positions.iter_mut().for_each(|p| p.z = -0.5 - gap);
+        let floor = (
+            floor,
+            MaterialDescription { base_color: Vec4::new(0.8, 0.5, 0.2, 1.0), metallic: 0.0, ..unlit_off() },
+        );
+        let marble = subsurface(Vec3::new(0.1, 0.3, 0.6), Vec3::new(1.0, 1.5, 2.0), 0.2, 1.5, 0.0);
+        let block = (slab(-0.5, 0.5), marble);
+        let parts = if floor_first { vec![floor, block] } else { vec![block, floor] };
+        let mut description = scene_of(parts, Affine3A::IDENTITY);
+        description.environment = EnvironmentDescription::Constant(Vec3::ONE);
+        let scene = Scene::build(description).unwrap();
+        measure_pictures(&scene, &options(ortho(Vec3::new(-0.4, -0.3, -1.0), 3.0, 0.5), 12, 16), 16)
+    };
+    let above = look(1e-4, false);
+    for floor_first in [false, true] {
+        for (i, found) in look(0.0, floor_first).iter().enumerate() {
+            found.assert_same(&above[i], &format!("floor first: {floor_first}, part {i}"));
+        }
+    }
+}
