@@ -29,6 +29,8 @@ pub struct Object {
     pub closed: bool,
     /// Whether its mesh is closed and has more than one part: parts may overlap.
     pub in_parts: bool,
+    /// Whether some of its solids are wound the other way, and cannot be told from the others.
+    pub wound_both_ways: bool,
     /// Place in the total order by (priority, smaller volume, index); the highest rank around a point fills it.
     pub rank: u32,
     /// Closed, and provably contains nothing else: no foreign triangle reaches into its bounds.
@@ -119,6 +121,7 @@ impl Scene {
                 has_medium: true,
                 closed,
                 in_parts,
+                wound_both_ways: topology.is_some_and(|t| t.components.iter().any(|c| c.repeated)),
                 rank: rank as u32 + 1,
                 isolated: closed && intruders.is_empty(),
                 intruders: intruders.into(),

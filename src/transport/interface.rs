@@ -149,7 +149,10 @@ impl PathTracer<'_> {
         }
         let point = offset_origin(surface.position, surface.error, surface.geometric_normal, -direction);
         let transform = geometry.transform(instance);
-        geometry.mesh_of(instance).winding_number(transform.inverse_point(point))
+        let found = geometry.mesh_of(instance).winding_number(transform.inverse_point(point));
+        // What is left by a back was entered by a front, unless parts are wound both ways. Next to an edge the answer may be
+        // that of the other side of it.
+        if change < 0 && !self.scene.objects[instance as usize].wound_both_ways { found.max(1) } else { found }
     }
 
     #[inline]
