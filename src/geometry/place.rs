@@ -20,8 +20,9 @@ use glam::Vec3;
 
 /// Eight roundings: how far a plane may be from where its file means it, relative to its coordinates.
 const TOLERANCE: f32 = 1.0 / (1_u32 << 21) as f32;
-/// Barycentric coordinates below this are those of an edge, up to rounding.
-const EDGE: f32 = 1.0 / (1_u32 << 21) as f32;
+/// Barycentric coordinates below this are those of an edge, up to the rounding of a ray that was moved, also where triangles
+/// are small for their coordinates.
+const EDGE: f32 = 1e-3;
 
 /// Cosine to the normal below which a ray's own distance is as good as one across the plane.
 const FLAT: f32 = 0.1;
@@ -97,6 +98,10 @@ impl SceneGeometry {
             return false;
         }
         let mesh = self.mesh_of(a.0.instance);
+        let others = mesh.triangle(b.0.triangle);
+        if mesh.triangle(a.0.triangle).iter().filter(|corner| others.contains(corner)).count() < 2 {
+            return false;
+        }
         let point = mesh.point(a.0.triangle, a.0.u, a.0.v).0;
         let middle = |hit: &Hit| mesh.point(hit.triangle, 1.0 / 3.0, 1.0 / 3.0).0 - point;
         middle(&a.0).dot(middle(&b.0)) < 0.0

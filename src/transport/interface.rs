@@ -122,18 +122,23 @@ impl PathTracer<'_> {
         for (i, surface) in boundaries.iter().enumerate() {
             let Some(enclosure) = self.enclosure_of(surface) else { continue };
             let instance = enclosure.instance;
-            let change = if direction.dot(surface.geometric_normal) < 0.0 { 1 } else { -1 };
-            let first = boundaries[..i].iter().all(|other| other.instance != instance);
-            if first {
-                let known = stack.winding(instance);
-                let may_overlap = self.scene.objects[instance as usize].in_parts;
-                if (change < 0 && known <= 0) || (change > 0 && known > 0 && !may_overlap) {
-                    let there = self.winding_before(surface, direction, change, known);
-                    corrected.get_or_insert_with(|| Box::new(*stack)).set(enclosure, there);
-                    beyond.set(enclosure, there);
-                }
+            if boundaries[..i].iter().any(|other| other.instance == instance) {
+                continue;
             }
-            beyond.wind(enclosure, change);
+            let change_at = |s: &Surface| if direction.dot(s.geometric_normal) < 0.0 { 1 } else { -1 };
+            let own = || boundaries.iter().filter(|s| s.instance == instance).map(change_at);
+            let object = &self.scene.objects[instance as usize];
+            let simple = !object.in_parts && !object.wound_both_ways;
+            let mut known = stack.winding(instance);
+            if own().all(|change| (change < 0 && known <= 0) || (change > 0 && known > 0 && !object.in_parts))
+            {
+                known = self.winding_before(surface, direction, change_at(surface), known);
+                corrected.get_or_insert_with(|| Box::new(*stack)).set(enclosure, known);
+            }
+            let beyond_it = known + own().sum::<i32>();
+            // Next to an edge both of its triangles may have been met, but a single solid is entered once.
+            let several = own().count() > 1;
+            beyond.set(enclosure, if simple && several { beyond_it.clamp(0, 1) } else { beyond_it });
         }
         let contrast = self.contrast(corrected.as_deref().unwrap_or(stack), &beyond, boundaries);
         Interface { corrected, crossing: Crossing::Several(Box::new(beyond)), contrast }
@@ -152,7 +157,11 @@ impl PathTracer<'_> {
         let found = geometry.mesh_of(instance).winding_number(transform.inverse_point(point));
         // What is left by a back was entered by a front, unless parts are wound both ways. Next to an edge the answer may be
         // that of the other side of it.
-        if change < 0 && !self.scene.objects[instance as usize].wound_both_ways { found.max(1) } else { found }
+        if change < 0 && !self.scene.objects[instance as usize].wound_both_ways {
+            found.max(1)
+        } else {
+            found
+        }
     }
 
     #[inline]
