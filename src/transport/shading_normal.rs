@@ -17,6 +17,10 @@ const SMOOTH_TOTAL_REFLECTIONS: u32 = 8;
 /// Normals whose cosine is larger are the same: flat shading written to a file, and rounded there. 0.08°.
 const SAME_NORMAL: f32 = 1.0 - 1e-6;
 
+/// Least cosine to the triangle of what leaves about another normal than the triangle's. A ray that hardly leaves the plane
+/// of its triangle slips past the next one's edge by rounding, and is taken to be on the side that it is not.
+const GRAZING: f32 = 1e-3;
+
 /// Steps of the search between two normals: as close as single precision tells directions near each other apart.
 const BISECTIONS: u32 = 16;
 
@@ -49,11 +53,11 @@ impl Arrival {
     fn admits(&self, normal: Vec3) -> bool {
         let cosine = self.wo.dot(normal);
         let reflected = 2.0 * cosine * normal - self.wo;
-        if cosine <= 0.0 || reflected.dot(self.geometric) <= 0.0 {
+        if cosine <= 0.0 || reflected.dot(self.geometric) <= GRAZING {
             return false;
         }
         match fresnel::refract(self.wo, normal, self.eta) {
-            Some(refracted) => refracted.dot(self.geometric) < 0.0,
+            Some(refracted) => refracted.dot(self.geometric) < -GRAZING,
             None => self.total,
         }
     }
@@ -73,7 +77,7 @@ impl Arrival {
             let middle = 0.5 * (refused + admitted);
             if self.admits(at(middle)) { admitted = middle } else { refused = middle }
         }
-        at(admitted)
+        if admitted < 1.0 { at(admitted) } else { self.geometric }
     }
 
     /// The normal after so many total reflections in a row; `geometric` says whether the triangle's is to be taken where a
