@@ -6,7 +6,7 @@ use super::nearest::{traverse_lowest, traverse_nearest};
 use super::offset::gamma;
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
 use super::traversal::traverse;
-use super::triangle_block::{BlockHits, ShearRay, TriangleBlock, nearest_barycentrics};
+use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
 use super::wide_bvh::{Block, NONE, WideBvh};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -17,23 +17,10 @@ const GREATEST: f32 = 1.0e18;
 /// Rounding of coordinates and distances, relative to the largest of them: what is equal but for rounding may be off by
 /// so much, 16 roundings.
 pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
-/// Least cosine between ray and normal for which bands are as long as they should be. Flatter rays are one in a million.
-pub(super) const LEAST_COSINE: f32 = 1.0 / 1024.0;
-
-/// What a query for the closest hit has found.
-struct Found {
-    /// At infinity: nothing.
-    hit: MeshHit,
-    /// Distance of the closest hit but one.
-    second: f32,
-}
-
-impl Default for Found {
-    fn default() -> Self {
-        let hit = MeshHit { t: f32::INFINITY, triangle: NONE, u: 0.0, v: 0.0, band: 0.0, crowded: false };
-        Self { hit, second: f32::INFINITY }
-    }
-}
+/// Length of a ray, relative to coordinates, on which what is in one place can be met: [`ROUNDING`] across a plane, seen
+/// under 89°. Under flatter angles too, where vertices are equal or nearly so. What is met there and is not in the place after all
+/// costs no more than the question ([`super::SceneGeometry::place`]).
+pub(super) const BAND: f32 = 64.0 * ROUNDING;
 
 /// Triangles and the hierarchy that answers ray queries about them. Immutable.
 ///
@@ -230,46 +217,27 @@ impl MeshGeometry {
     #[inline(always)]
     pub(super) fn intersect_with<L: Lanes>(&self, ray: &Ray) -> Option<MeshHit> {
         let mut shear = None;
-        let mut found = Found::default();
-        traverse::<L, true, _>(&self.bvh, ray, |block, t_max| {
+        let mut closest: Option<MeshHit> = None;
+        // Distance of the closest hit but one.
+        let mut second = f32::INFINITY;
+        let band = BAND * self.coordinates(ray);
+        traverse::<L, true, _>(&self.bvh, ray, |block, mut t_max| {
             let shear = shear.get_or_insert_with(|| ShearRay::<L>::new(ray));
-            match block.intersect(shear, t_max) {
-                Some(hits) => self.keep(&mut found, ray, (block, &hits), t_max),
-                None => t_max,
+            if let Some(hits) = block.intersect(shear, t_max) {
+                for lane in bits(hits.mask) {
+                    let t = hits.t[lane];
+                    let least = closest.as_ref().map_or(f32::INFINITY, |hit| hit.t);
+                    second = second.min(t.max(least));
+                    if t < least {
+                        let (triangle, u, v) = (block.ids[lane], hits.u[lane], hits.v[lane]);
+                        t_max = t_max.min(t + band);
+                        closest = Some(MeshHit { t, triangle, u, v, band, crowded: false });
+                    }
+                }
             }
+            t_max
         });
-        let Found { hit, second } = found;
-        (hit.t < f32::INFINITY).then_some(MeshHit { crowded: second <= hit.t + hit.band, ..hit })
-    }
-
-    /// Keeps the closest of the hits of a block; where the ray ends then.
-    // A call: what happens once or twice a ray takes no registers from the loop.
-    #[inline(never)]
-    fn keep(
-        &self,
-        found: &mut Found,
-        ray: &Ray,
-        (block, hits): (&TriangleBlock, &BlockHits),
-        mut t_max: f32,
-    ) -> f32 {
-        for lane in bits(hits.mask) {
-            let t = hits.t[lane];
-            found.second = found.second.min(t.max(found.hit.t));
-            if t < found.hit.t {
-                let (triangle, u, v) = (block.ids[lane], hits.u[lane], hits.v[lane]);
-                let band = self.band(ray, block.cosine(lane, ray.direction));
-                t_max = t_max.min(t + band);
-                found.hit = MeshHit { t, triangle, u, v, band, crowded: false };
-            }
-        }
-        t_max
-    }
-
-    /// Length of a ray before and after a triangle of this mesh on which other surfaces count as in the same place, by the
-    /// cosine between them.
-    #[inline]
-    pub(super) fn band(&self, ray: &Ray, cosine: f32) -> f32 {
-        ROUNDING * self.coordinates(ray) / cosine.max(LEAST_COSINE)
+        closest.map(|hit| MeshHit { crowded: second <= hit.t + band, ..hit })
     }
 
     /// Bound of the coordinates that are met on the way of a ray to the mesh.

@@ -9,13 +9,16 @@
 
 use super::lanes::Native;
 use super::lines::Lined;
-use super::mesh::{LEAST_COSINE, MeshGeometry, ROUNDING};
+use super::mesh::{MeshGeometry, ROUNDING};
 use super::ray::{Aabb, MeshHit, Ray};
 use super::similarity::{Kind, Similarity};
 use super::traversal::traverse;
 use super::wide_bvh::{Block, WideBvh};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
+
+/// Least cosine between ray and emitter for which [`SceneGeometry::band`] is as long as it should be.
+const LEAST_COSINE: f32 = 1.0 / 1024.0;
 
 /// Triangles of a piece of work.
 const CHUNK: usize = 1 << 14;
@@ -285,7 +288,8 @@ impl SceneGeometry {
         if !found && crowded { None } else { Some(found) }
     }
 
-    /// Length of a ray before and after a point of a triangle on which other surfaces count as in the same place.
+    /// Length of a ray before and after a point of a triangle on which other surfaces are in the same place, by the angle
+    /// between them.
     #[inline]
     pub fn band(&self, ray: &Ray, instance: u32, triangle: u32) -> f32 {
         let transform = self.transform(instance);
@@ -293,7 +297,7 @@ impl SceneGeometry {
         let local = transform.inverse_ray(ray);
         let cosine = mesh.geometric_normal(triangle).dot(local.direction).abs().max(LEAST_COSINE);
         let coordinates = ray.origin.abs().max_element() + transform.translation.abs().max_element();
-        transform.scale * mesh.band(&local, cosine) + ROUNDING * coordinates / cosine
+        ROUNDING * (transform.scale * mesh.coordinates(&local) + coordinates) / cosine
     }
 
     /// The point of a hit in world space.

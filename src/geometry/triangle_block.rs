@@ -200,19 +200,6 @@ impl TriangleBlock {
         Some(BlockHits { mask, t: t.store(), u: v.store(), v: w.store() })
     }
 
-    /// About the cosine between a unit direction and the normal of the triangle of a lane, either side; NaN where the area of
-    /// the triangle vanishes in single precision. From the corners, which are at hand where a ray has met them: a normal
-    /// would have to come from memory.
-    pub fn cosine(&self, lane: usize, direction: Vec3) -> f32 {
-        let corner = |nibbles: u32| {
-            let at = (nibbles >> (4 * (lane & 7)) & 15) as usize % CORNERS;
-            Vec3::new(self.positions[0][at], self.positions[1][at], self.positions[2][at])
-        };
-        let [a, b, c] = self.corners.map(corner);
-        let normal = (b - a).cross(c - a);
-        (normal.dot(direction) / normal.length()).abs()
-    }
-
     /// Distances to the planes of the triangles.
     #[inline(always)]
     fn plane_distances<L: Lanes>(&self, ray: &ShearRay<L>) -> L {

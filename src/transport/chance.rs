@@ -21,6 +21,17 @@ impl PathTracer<'_> {
         path.head.throughput * radiance * (weight * scale)
     }
 
+    /// Emission of surfaces in one place towards a path that comes there.
+    pub(super) fn emission_of(&self, surfaces: &[Surface], footprint: f32, path: &Path) -> Vec3 {
+        let emits = |s: &&Surface| {
+            let material = self.scene.material(s.material);
+            let faces = path.head.direction.dot(s.geometric_normal) < 0.0;
+            material.emission != Vec3::ZERO && (faces || material.double_sided)
+        };
+        let emitted = |s: &Surface| self.emitted(&Surface { footprint, ..*s }, path);
+        surfaces.iter().filter(emits).map(emitted).sum()
+    }
+
     /// Emission of a surface that was hit by chance.
     pub(super) fn emitted(&self, surface: &Surface, path: &Path) -> Vec3 {
         let v = &path.vertex;

@@ -215,13 +215,14 @@ impl PathTracer<'_> {
         let surface = Surface::new(self.scene, hit);
         path.footprint.travel(surface.position.distance(path.head.position));
         if hit.crowded {
-            path.place = InPlace::new(self.scene, hit, path.head.direction, (&path.stack, path.direct_view));
+            path.place = InPlace::new(self.scene, hit, path.head.direction, (&path.stack, path.direct_view))
+                .map(Box::new);
             if path.place.is_some() {
                 path.head.aimed = Aimed::default();
                 return self.meet_in_place(path, radiance, sampler);
             }
         }
-        self.meet(&[surface], path, radiance, sampler)
+        self.meet(std::slice::from_ref(&surface), path, radiance, sampler)
     }
 
     /// Meets a sheet, or the boundaries of media in one place. False: the path ends.
@@ -254,12 +255,8 @@ impl PathTracer<'_> {
             *radiance += path.head.throughput * self.scene.base_color(&surface).truncate();
             return false;
         }
-        for s in surfaces {
-            let material = self.scene.material(s.material);
-            let faces = wo.dot(s.geometric_normal) > 0.0;
-            if material.emission != Vec3::ZERO && (faces || material.double_sided) {
-                *radiance += self.emitted(&Surface { footprint: surface.footprint, ..*s }, path);
-            }
+        if self.scene.lights.has_emitters() {
+            *radiance += self.emission_of(surfaces, surface.footprint, path);
         }
 
         let (mut eta, mut dispersed) = (1.0, 1.0);
@@ -330,7 +327,7 @@ impl PathTracer<'_> {
             front,
             enclosure,
             crossing: interface.as_ref().map(|i| &i.crossing),
-            place: place.as_ref(),
+            place: place.as_deref(),
             dispersed,
             anchor: Shaded::NOWHERE,
             lights: if path.bounces == 0 && enclosure.is_none() { LIGHTS_IN_VIEW } else { 1 },

@@ -180,7 +180,7 @@ impl Path {
 impl PathTracer<'_> {
     /// Meets the next member of the place that a path is in. False: the path ends.
     pub(super) fn meet_in_place(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
-        let Some(member) = path.place.as_ref().and_then(InPlace::member).cloned() else {
+        let Some(member) = path.place.as_deref().and_then(InPlace::member).cloned() else {
             path.step_in_place(false);
             return true;
         };

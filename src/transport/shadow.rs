@@ -138,7 +138,7 @@ impl PathTracer<'_> {
             origin = place.as_ref().map_or(next, |p| p.origin(direction));
             from = Some(hit);
             remaining -= hit.t;
-            if remaining <= band {
+            if remaining <= 0.0 {
                 break;
             }
             self.count_ray();

@@ -55,7 +55,7 @@ pub(super) struct Path {
     pub head: PathHead,
     pub stack: MediumStack,
     /// Where it is in one place with several surfaces, and has not left it.
-    pub place: Option<InPlace>,
+    pub place: Option<Box<InPlace>>,
     pub vertex: Vertex,
     /// Reflections, refractions and scatterings. What is passed straight is none.
     pub events: u32,
