@@ -47,7 +47,10 @@ impl SceneGeometry {
             let apart = there.position - here.position;
             if apart.dot(here.geometric_normal).abs() <= allowed
                 && apart.dot(there.geometric_normal).abs() <= allowed
-                && !found.iter().any(|known| self.is_same_crossing(known, &(other, there), direction))
+                && !(is_at_edge(&other)
+                    && found.iter().any(|known| {
+                        is_at_edge(&known.0) && self.is_same_crossing(known, &(other, there), direction)
+                    }))
             {
                 found.push((other, there));
             }
@@ -90,20 +93,24 @@ impl SceneGeometry {
         (point - here.position).dot(here.geometric_normal).abs() <= allowed
     }
 
-    /// Whether two hits of an instance are one crossing, at the edge between triangles on both sides of it.
+    /// Whether two hits of an instance, both at edges, are one crossing: the triangles have an edge in common, which they run
+    /// along in opposite directions, and both face the ray or neither does.
     fn is_same_crossing(&self, a: &(Hit, SurfacePoint), b: &(Hit, SurfacePoint), direction: Vec3) -> bool {
-        let at_edge = |hit: &Hit| hit.u.min(hit.v).min(1.0 - hit.u - hit.v) < EDGE;
         let side = |point: &SurfacePoint| point.geometric_normal.dot(direction) < 0.0;
-        if a.0.instance != b.0.instance || side(&a.1) != side(&b.1) || !at_edge(&a.0) || !at_edge(&b.0) {
+        if a.0.instance != b.0.instance || side(&a.1) != side(&b.1) {
             return false;
         }
         let mesh = self.mesh_of(a.0.instance);
-        let others = mesh.triangle(b.0.triangle);
-        if mesh.triangle(a.0.triangle).iter().filter(|corner| others.contains(corner)).count() < 2 {
-            return false;
-        }
-        let point = mesh.point(a.0.triangle, a.0.u, a.0.v).0;
-        let middle = |hit: &Hit| mesh.point(hit.triangle, 1.0 / 3.0, 1.0 / 3.0).0 - point;
-        middle(&a.0).dot(middle(&b.0)) < 0.0
+        let [a, b] = [a, b].map(|hit| mesh.triangle(hit.0.triangle));
+        let edge = |of: &[Vec3; 3], i: usize| [of[i], of[(i + 1) % 3]];
+        (0..3).any(|i| {
+            let [from, to] = edge(&a, i);
+            (0..3).any(|j| edge(&b, j) == [to, from])
+        })
     }
+}
+
+/// Whether a hit may be one with that of a neighbour.
+fn is_at_edge(hit: &Hit) -> bool {
+    hit.u.min(hit.v).min(1.0 - hit.u - hit.v) < EDGE
 }

@@ -217,3 +217,25 @@ fn what_is_in_one_place_is_found_from_any_angle_and_what_is_apart_is_not() {
     }
     assert!(flat > 1000);
 }
+
+#[test]
+fn an_edge_between_triangles_is_met_once_wherever_it_is_hit() {
+    // Two long triangles with a common edge, met close to its ends: both middles are far away in the same direction.
+    let at = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+    let positions = [at(0.0, 0.0), at(10.0, 0.0), at(9.0, 0.1), at(9.0, -0.1)];
+    let sheet = |turned: bool| {
+        let second = if turned { [0, 1, 3] } else { [1, 0, 3] };
+        (positions.to_vec(), vec![[0, 1, 2], second])
+    };
+    let met = |turned: bool, x: f32| {
+        let scene = SceneGeometry::build(vec![sheet(turned)], &[(0, Affine3A::IDENTITY)]).unwrap();
+        let ray = Ray { origin: Vec3::new(x, 0.0, 1.0), direction: Vec3::NEG_Z, t_max: f32::INFINITY };
+        let hit = scene.intersect(&ray).expect("the edge is met");
+        scene.place(&hit, ray.direction).len()
+    };
+    for x in [1e-3, 0.1, 5.0, 9.9] {
+        assert_eq!(met(false, x), 1, "{x}");
+        // One of them faces away: two crossings, of a sheet that is folded there.
+        assert_eq!(met(true, x), 2, "{x}");
+    }
+}

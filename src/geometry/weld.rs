@@ -53,7 +53,7 @@ pub fn close_seams(positions: &mut [Vec3], triangles: &[[u32; 3]], tolerance: f3
         let vertices = if direction & 1 == 1 { [low, high] } else { [high, low] };
         let ends = vertices.map(place);
         let reach = tolerance.min(MOST_OF_AN_EDGE * ends[0].distance(ends[1]));
-        (reach > 0.0).then_some(Edge { vertices, ends, reach })
+        (reach > 0.0 && ends.iter().all(|end| end.is_finite())).then_some(Edge { vertices, ends, reach })
     };
     let uses = edge_uses(&vertices, &used, false);
     let open: Vec<Edge> = uses.chunk_by(same_edge).filter_map(open_edge).collect();
@@ -291,5 +291,17 @@ mod tests {
         let again = mesh.clone();
         assert_eq!(close_seams(&mut mesh.0, &mesh.1, 1e-5), 0, "what is closed stays");
         assert_eq!(mesh, again);
+    }
+
+    #[test]
+    fn what_is_nowhere_is_left_alone() {
+        for bad in [f32::NAN, f32::INFINITY] {
+            let mut mesh = shaken(&cuboid(Vec3::ZERO, Vec3::ONE), 1e-6);
+            mesh.0[0].x = bad;
+            mesh.0[5].z = bad;
+            close_seams(&mut mesh.0, &mesh.1, 1e-5);
+            let finite = mesh.0.iter().filter(|p| p.is_finite()).count();
+            assert_eq!(finite, mesh.0.len() - 2);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Light that a path meets by chance, weighed against the techniques that look for it.
 
 use super::path::PathTracer;
+use super::place::InPlace;
 use super::state::Path;
 use crate::light::LightPoint;
 use crate::scene::Surface;
@@ -37,7 +38,8 @@ impl PathTracer<'_> {
         let v = &path.vertex;
         let id = self.scene.lights.emitter_id(surface.instance, surface.triangle);
         let point = id.map(|id| LightPoint::Emitter(id, surface.position));
-        let weight = self.weigh_chance(v, point);
+        let sampled = point.is_some() && !path.place.as_deref().is_some_and(InPlace::has_scattered);
+        let weight = if sampled { self.weigh_chance(v, point) } else { 1.0 };
         // Where lights were sampled, too, both techniques must find the same light.
         let footprint = if v.connected { 0.0 } else { surface.footprint };
         let emission = self.scene.emission(&Surface { footprint, ..*surface }, -path.head.direction);

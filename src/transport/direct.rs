@@ -137,6 +137,9 @@ impl PathTracer<'_> {
         if !to_front && s.enclosure.is_some() && !s.lit_inside {
             return Vec3::ZERO;
         }
+        if s.place.is_some_and(|place| self.triangle_of(light).is_some_and(|id| place.holds(id))) {
+            return Vec3::ZERO;
+        }
         let (f, pdf) = s.bsdf.eval_pdf(s.wo, wi);
         if f.max_element() <= 0.0 {
             return Vec3::ZERO;

@@ -61,7 +61,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 let top = || {
                     let mut stack = self.stack;
                     shaded.crossing?.apply(&mut stack);
-                    InPlace::new(scene, &hit, direction, (&stack, false))?.member()?.first().copied()
+                    InPlace::new(scene, &hit, direction, (&stack, false))?.members().next()?.first().copied()
                 };
                 let alone = Surface::new(scene, &hit);
                 let surface = if hit.crowded { top().unwrap_or(alone) } else { alone };

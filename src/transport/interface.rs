@@ -119,25 +119,25 @@ impl PathTracer<'_> {
     fn several(&self, stack: &MediumStack, boundaries: &[Surface], direction: Vec3) -> Interface {
         let mut beyond = *stack;
         let mut corrected: Option<Box<MediumStack>> = None;
-        for (i, surface) in boundaries.iter().enumerate() {
-            let Some(enclosure) = self.enclosure_of(surface) else { continue };
+        // Boundaries come in the order of instances.
+        for own in boundaries.chunk_by(|a, b| a.instance == b.instance) {
+            let Some(enclosure) = self.enclosure_of(&own[0]) else { continue };
             let instance = enclosure.instance;
-            if boundaries[..i].iter().any(|other| other.instance == instance) {
-                continue;
-            }
             let change_at = |s: &Surface| if direction.dot(s.geometric_normal) < 0.0 { 1 } else { -1 };
-            let own = || boundaries.iter().filter(|s| s.instance == instance).map(change_at);
+            let changes = own.iter().map(change_at);
             let object = &self.scene.objects[instance as usize];
             let simple = !object.in_parts && !object.wound_both_ways;
             let mut known = stack.winding(instance);
-            if own().all(|change| (change < 0 && known <= 0) || (change > 0 && known > 0 && !object.in_parts))
+            if changes
+                .clone()
+                .all(|change| (change < 0 && known <= 0) || (change > 0 && known > 0 && !object.in_parts))
             {
-                known = self.winding_before(surface, direction, change_at(surface), known);
+                known = self.winding_before(&own[0], direction, change_at(&own[0]), known);
                 corrected.get_or_insert_with(|| Box::new(*stack)).set(enclosure, known);
             }
-            let beyond_it = known + own().sum::<i32>();
+            let beyond_it = known + changes.sum::<i32>();
             // Next to an edge both of its triangles may have been met, but a single solid is entered once.
-            let several = own().count() > 1;
+            let several = own.len() > 1;
             beyond.set(enclosure, if simple && several { beyond_it.clamp(0, 1) } else { beyond_it });
         }
         let contrast = self.contrast(corrected.as_deref().unwrap_or(stack), &beyond, boundaries);

@@ -247,7 +247,11 @@ impl PathTracer<'_> {
         let see_through = material.is_see_through() || bounds_medium;
 
         let culled = path.direct_view && !face && !material.double_sided && !see_through;
-        if culled || !self.covered(material.alpha_mode, &surface, sampler) {
+        let open = path.place.as_deref().is_some_and(InPlace::is_open);
+        if culled || open || !self.covered(material.alpha_mode, &surface, sampler) {
+            if let Some(place) = &mut path.place {
+                place.open();
+            }
             return self.pass(&surface, interface.as_ref(), path);
         }
         if material.unlit {

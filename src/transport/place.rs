@@ -7,10 +7,12 @@
 //!   inside of what they bound they come first, so that a body which stands on a floor has air below it, as if a little above.
 //! - Faces that are culled are not there where something else is: of two single-sided faces of opposite winding, the one that
 //!   shows its front is met.
-//! - Where a member does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that comes back
-//!   from below passes the same hole, so the members are composited as *over* has it.
+//! - Where a sheet does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that comes back
+//!   from below passes the same hole, so the members are composited as *over* has it. Boundaries of media stay, as the path
+//!   crosses them wherever it passes; that there is a hole in them is remembered.
 //! - Where a member sends the path on through it, the next one below is met, and where it sends it back, the one above.
-//! - Shadow rays that start at a member pass the others on their side of it.
+//! - Shadow rays that start at a member pass the others on their side of it. No direction leads to a lamp that is one of
+//!   them, so it is not sampled, and what a path finds there once it was scattered in the place counts in full.
 
 use super::media::MediumStack;
 use super::path::PathTracer;
@@ -30,6 +32,8 @@ pub(super) type Member = Vec<Surface>;
 struct Place {
     /// Top first.
     members: Vec<Member>,
+    /// Which of them is the boundaries of media.
+    boundary: Option<u32>,
     position: Vec3,
     /// Bounds of how far any of the members is from the position, on each axis.
     error: Vec3,
@@ -41,10 +45,14 @@ struct Place {
 #[derive(Clone, Debug)]
 pub(super) struct InPlace {
     place: Rc<Place>,
-    /// Members that are still there.
+    /// Members that are still there, the lowest first.
     left: Vec<u32>,
     /// Which of them is met next.
     at: usize,
+    /// There is a hole in the boundary.
+    open: bool,
+    /// Whether the path was turned here.
+    scattered: bool,
 }
 
 impl InPlace {
@@ -77,54 +85,83 @@ impl InPlace {
         if others || direct_view {
             surfaces.retain(|s| !is_culled(s));
         }
+        // A triangle that is there twice is one boundary.
+        let bounds = |s: &Surface| scene.medium(s.material).is_some();
+        surfaces.dedup_by(|later, earlier| {
+            later.instance == earlier.instance
+                && bounds(later)
+                && bounds(earlier)
+                && scene.is_repetition(later)
+        });
         let mut members: Vec<Member> = Vec::new();
-        let mut boundaries = None;
+        let mut boundary = None;
         for surface in surfaces.into_iter().rev() {
-            if scene.medium(surface.material).is_none() {
+            if !bounds(&surface) {
                 members.push(vec![surface]);
                 continue;
             }
-            let at = *boundaries.get_or_insert_with(|| {
+            let at = *boundary.get_or_insert_with(|| {
                 members.push(Vec::new());
                 members.len() - 1
             });
-            // A triangle that is there twice is one boundary.
-            let repeated =
-                scene.is_repetition(&surface) && members[at].iter().any(|s| s.instance == surface.instance);
-            if !repeated {
-                members[at].push(surface);
-            }
+            members[at].push(surface);
         }
-        if let Some(at) = boundaries
-            && members[at].iter().all(|s| stack.winding(s.instance) != 0)
+        if let Some(at) = &mut boundary
+            && members[*at].iter().all(|s| stack.winding(s.instance) != 0)
         {
-            members[..=at].rotate_right(1);
+            members[..=*at].rotate_right(1);
+            *at = 0;
         }
-        let left = (0..members.len() as u32).collect();
+        let left: Vec<u32> = (0..members.len() as u32).rev().collect();
+        let at = left.len().wrapping_sub(1);
         let up = if n.dot(direction) < 0.0 { n } else { -n };
-        let place = Place { members, position: first.position, error: place_error, up };
-        Some(Self { place: Rc::new(place), left, at: 0 })
+        let boundary = boundary.map(|at| at as u32);
+        let place = Place { members, boundary, position: first.position, error: place_error, up };
+        Some(Self { place: Rc::new(place), left, at, open: false, scattered: false })
     }
 
-    /// The member that is met next.
-    pub fn member(&self) -> Option<&Member> {
-        self.left.get(self.at).map(|&i| &self.place.members[i as usize])
+    fn is_boundary(&self, member: u32) -> bool {
+        self.place.boundary == Some(member)
     }
 
-    /// All members that are left, top first.
+    /// Whether the member that is met next is known not to cover the place.
+    pub fn is_open(&self) -> bool {
+        self.open && self.left.get(self.at).is_some_and(|&member| self.is_boundary(member))
+    }
+
+    /// Notes that the member that is met does not cover the place.
+    pub fn open(&mut self) {
+        self.open |= self.left.get(self.at).is_some_and(|&member| self.is_boundary(member));
+    }
+
+    /// Whether the path was turned by another member before the one that it meets.
+    pub fn has_scattered(&self) -> bool {
+        self.scattered
+    }
+
+    /// Whether a triangle of an instance is in the place.
+    pub fn holds(&self, (instance, triangle): (u32, u32)) -> bool {
+        let mut surfaces = self.place.members.iter().flatten();
+        surfaces.any(|s| (s.instance, s.triangle) == (instance, triangle))
+    }
+
+    /// All members, top first.
     pub fn members(&self) -> impl Iterator<Item = &Member> {
-        self.left.iter().map(|&i| &self.place.members[i as usize])
+        self.place.members.iter()
     }
 
-    /// The members that a ray from the one that is met passes when it leaves the place.
-    pub fn towards(&self, direction: Vec3) -> Vec<&Member> {
-        let (above, below) = self.left.split_at(self.at.min(self.left.len()));
-        let member = |&i: &u32| &self.place.members[i as usize];
-        if direction.dot(self.place.up) > 0.0 {
-            above.iter().rev().map(member).collect()
+    /// The members that a ray from the one that is met passes when it leaves the place, and whether each is known not to cover
+    /// it.
+    pub fn towards(&self, direction: Vec3) -> impl Iterator<Item = (&Member, bool)> {
+        let at = self.at.min(self.left.len());
+        let (below, above) = self.left.split_at(at);
+        let (below, above) = if direction.dot(self.place.up) > 0.0 {
+            (&[][..], above.get(1..).unwrap_or_default())
         } else {
-            below.iter().skip(1).map(member).collect()
-        }
+            (below, &[][..])
+        };
+        let member = |&i: &u32| (&self.place.members[i as usize], self.open && self.is_boundary(i));
+        below.iter().rev().chain(above).map(member)
     }
 
     /// The start of a ray that leaves the place.
@@ -140,16 +177,14 @@ impl InPlace {
 
     /// Goes on to what a path meets next that the member has sent in `direction`, or has let pass. False: it leaves.
     fn step(&mut self, direction: Vec3, passed: bool) -> bool {
+        self.scattered |= !passed;
         let upwards = direction.dot(self.place.up) > 0.0;
-        if passed {
+        let removed = passed && self.left.get(self.at).is_some_and(|&member| !self.is_boundary(member));
+        if removed {
             self.left.remove(self.at);
         }
-        let next = match (upwards, passed) {
-            (true, _) => self.at.checked_sub(1),
-            (false, true) => Some(self.at),
-            (false, false) => Some(self.at + 1),
-        };
-        self.at = next.unwrap_or(usize::MAX);
+        let above = if removed { self.at } else { self.at.wrapping_add(1) };
+        self.at = if upwards { above } else { self.at.wrapping_sub(1) };
         self.at < self.left.len()
     }
 }
@@ -180,10 +215,14 @@ impl Path {
 impl PathTracer<'_> {
     /// Meets the next member of the place that a path is in. False: the path ends.
     pub(super) fn meet_in_place(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
-        let Some(member) = path.place.as_deref().and_then(InPlace::member).cloned() else {
-            path.step_in_place(false);
+        let Some(place) = &path.place else { return true };
+        let members = Rc::clone(&place.place);
+        let Some(&member) = place.left.get(place.at) else {
+            // All of it was culled.
+            path.passes += 1;
+            path.step_in_place(true);
             return true;
         };
-        self.meet(&member, path, radiance, sampler)
+        self.meet(&members.members[member as usize], path, radiance, sampler)
     }
 }

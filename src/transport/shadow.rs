@@ -39,12 +39,16 @@ pub(super) struct ShadowRay {
 impl PathTracer<'_> {
     /// A shadow ray from a point of free space.
     pub(super) fn shadow_ray(&self, origin: Vec3, light: &LightSample) -> ShadowRay {
-        let emitter = match light.point {
+        let &LightSample { direction, distance, .. } = light;
+        ShadowRay { origin, direction, distance, emitter: self.triangle_of(light), from: None }
+    }
+
+    /// Instance and triangle of a light that has an area.
+    pub(super) fn triangle_of(&self, light: &LightSample) -> Option<(u32, u32)> {
+        match light.point {
             LightPoint::Emitter(id, _) => self.scene.lights.emitter_triangle(id),
             LightPoint::Environment(_) | LightPoint::Punctual(_) => None,
-        };
-        let &LightSample { direction, distance, .. } = light;
-        ShadowRay { origin, direction, distance, emitter, from: None }
+        }
     }
 
     /// A shadow ray from a point of a surface.
@@ -62,8 +66,8 @@ impl PathTracer<'_> {
         stack: &mut MediumStack,
     ) -> (ShadowRay, Vec3) {
         let members = place.towards(light.direction);
-        let losses = members.into_iter().map(|m| self.passed(m, light.direction, stack));
-        let through = losses.fold(Vec3::ONE, |a, b| a * b);
+        let losses = members.map(|(member, open)| self.passed(member, open, light.direction, stack));
+        let through = losses.product();
         (self.shadow_ray(place.origin(light.direction), light), through)
     }
 
@@ -97,7 +101,12 @@ impl PathTracer<'_> {
         }
         let start = self.ior_in(&stack);
         let (mut result, mut remaining, mut from) = (Vec3::ONE, distance, ray.from);
-        for _ in 0..MOST_PASSED {
+        let mut passed = 0;
+        loop {
+            if passed == MOST_PASSED {
+                return Vec3::ZERO;
+            }
+            passed += 1;
             let t_max = if emitter.is_some() { remaining + band } else { remaining - band };
             let hit = geometry.intersect(&Ray { origin, direction, t_max });
             let length = match &hit {
@@ -117,7 +126,7 @@ impl PathTracer<'_> {
                     if arrived {
                         break;
                     }
-                    result *= self.passed(member, direction, &mut stack);
+                    result *= self.passed(member, false, direction, &mut stack);
                 }
             } else {
                 // The ray may have passed beside the triangle by rounding, and met what goes on in its plane.
@@ -125,7 +134,7 @@ impl PathTracer<'_> {
                 let beside = || emitter.is_some() && hit.t >= remaining - band;
                 arrived = itself(&surface) || (beside() && geometry.is_in_plane(&hit, light));
                 if !arrived {
-                    result *= self.passed(&[surface], direction, &mut stack);
+                    result *= self.passed(&[surface], false, direction, &mut stack);
                 }
             }
             if arrived {
@@ -171,16 +180,18 @@ impl PathTracer<'_> {
         Vec3::select(medium.sigma_t.cmpgt(Vec3::ZERO), (-medium.sigma_t * length).exp(), Vec3::ONE)
     }
 
-    /// What a sheet, or the boundaries of media in one place, let through in a straight line, with the stack after them.
-    fn passed(&self, surfaces: &[Surface], direction: Vec3, stack: &mut MediumStack) -> Vec3 {
+    /// What a sheet, or the boundaries of media in one place, let through in a straight line, with the stack after them;
+    /// everything where they are `open`.
+    fn passed(&self, surfaces: &[Surface], open: bool, direction: Vec3, stack: &mut MediumStack) -> Vec3 {
+        let coverage = |surface: &Surface| if open { 0.0 } else { self.coverage(surface) };
         if !self.bounds_medium(&surfaces[0]) {
-            return Vec3::splat(1.0 - self.coverage(&surfaces[0]));
+            return Vec3::splat(1.0 - coverage(&surfaces[0]));
         }
         let interface = self.interface(stack, surfaces, direction);
         interface.crossing.apply(stack);
         let Some(contrast) = interface.contrast else { return Vec3::ONE };
         let surface = &surfaces[contrast.boundary];
-        let covered = self.coverage(surface);
+        let covered = coverage(surface);
         let matched = covered > 0.0 && (contrast.eta - 1.0).abs() < MATCHED_INDEX;
         let through = if matched { self.scene.straight_transmission(surface) } else { Vec3::ZERO };
         through * covered + Vec3::splat(1.0 - covered)

@@ -28,9 +28,11 @@ pub(super) struct Techniques {
 }
 
 impl Techniques {
-    /// Where the scattering is a delta, or lights are not sampled, `light` is 0 and `chance` 1.
+    /// Where the scattering is a delta, or lights are not sampled, `light` is 0 and `chance` 1. Densities that overflowed are
+    /// the largest.
     #[inline]
     pub fn new(light: f32, chance: f32, aimed: f32) -> Self {
+        let [light, chance, aimed] = [light, chance, aimed].map(|density| density.min(f32::MAX));
         Self { light, chance, aimed }
     }
 
@@ -107,12 +109,12 @@ mod tests {
 
     #[test]
     fn weights_sum_to_one_and_survive_extremes() {
-        for light in [0.0, 1e-30, 0.3, 1e30] {
-            for chance in [1e-30, 1.0, 1e30] {
+        for light in [0.0, 1e-30, 0.3, 1e30, f32::INFINITY] {
+            for chance in [1e-30, 1.0, 1e30, f32::INFINITY] {
                 let t = Techniques::new(light, chance, 0.0);
                 let sum = t.weigh_light() + t.weigh_chance() + t.weigh_aimed();
                 assert!((sum - 1.0).abs() < 1e-6, "{t:?}: {sum}");
-                let t = Techniques { light, chance, aimed: 7.0 };
+                let t = Techniques::new(light, chance, 7.0);
                 let sum = t.weigh_light() + t.weigh_chance() + t.weigh_aimed();
                 assert!((sum - 1.0).abs() < 1e-6, "{t:?}: {sum}");
             }

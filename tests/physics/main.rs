@@ -25,3 +25,4 @@ mod spheres;
 mod stacks;
 mod terminator;
 mod views;
+mod within_places;

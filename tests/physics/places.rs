@@ -6,7 +6,7 @@ use nephrite::scene::*;
 use nephrite::transport::{RenderOptions, render};
 
 /// A square of half the size `h` around the origin that faces +z.
-fn quad(h: f32) -> MeshDescription {
+pub fn quad(h: f32) -> MeshDescription {
     MeshDescription {
         positions: [(-h, -h), (h, -h), (h, h), (-h, h)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -30,7 +30,7 @@ fn unlit(color: Vec3, alpha: f32) -> MaterialDescription {
 }
 
 /// Meshes of one material each, all of them placed by one transform.
-fn scene_of(parts: Vec<(MeshDescription, MaterialDescription)>, transform: Affine3A) -> SceneDescription {
+pub fn scene_of(parts: Vec<(MeshDescription, MaterialDescription)>, transform: Affine3A) -> SceneDescription {
     let mut scene = SceneDescription {
         environment: EnvironmentDescription::Constant(Vec3::new(0.0, 0.0, 1.0)),
         ..Default::default()
@@ -44,7 +44,7 @@ fn scene_of(parts: Vec<(MeshDescription, MaterialDescription)>, transform: Affin
 }
 
 /// Transforms after which what was equal is equal only up to rounding, or not at all off by any.
-fn transforms() -> [Affine3A; 4] {
+pub fn transforms() -> [Affine3A; 4] {
     let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     [
         Affine3A::IDENTITY,
@@ -141,11 +141,11 @@ fn a_sheet_that_covers_a_part_leaves_the_rest() {
 }
 
 /// An index-matched block that only absorbs, as deep as 1 along z.
-fn smoke(sigma_a: f32) -> MaterialDescription {
+pub fn smoke(sigma_a: f32) -> MaterialDescription {
     subsurface(Vec3::splat(sigma_a), Vec3::ZERO, 0.0, 1.0, 0.0)
 }
 
-fn slab(low: f32, high: f32) -> MeshDescription {
+pub fn slab(low: f32, high: f32) -> MeshDescription {
     let mut mesh = cuboid(Vec3::new(1.0, 1.0, high - low));
     mesh.positions.iter_mut().for_each(|p| p.z += 0.5 * (low + high));
     // Equal planes have equal coordinates, whatever the sums above round to.
