@@ -8,7 +8,8 @@
 //!                               │ light, optics, geometry, sampling
 //! ```
 //!
-//! [`author`] changes the media of a file and nothing else of it; [`conformance`] holds pictures against what is known of them. [`asset`] and [`extension`] turn files into a [`scene::SceneDescription`] and never trace a ray;
+//! [`author`] changes the media of a file and nothing else of it; [`conformance`] holds pictures against what is known
+//! of them. [`asset`] and [`extension`] turn files into a [`scene::SceneDescription`] and never trace a ray;
 //! [`transport`], [`subsurface`], [`optics`] and [`geometry`] never see glTF. Two seams take plug-ins:
 //! [`extension::Extension`] (one file a glTF extension) and [`subsurface::SubsurfaceModel`] (one file a model).
 //!

@@ -23,7 +23,8 @@ const MOST: usize = 64;
 
 /// Tangents of the vertices that are each in one fan.
 pub(super) struct Fans {
-    /// The tangent of each vertex, with the sign of the bitangent of glTF ([`super::tangent`]); `None` where its triangles are not one fan.
+    /// The tangent of each vertex, with the sign of the bitangent of glTF ([`super::tangent`]); `None` where its
+    /// triangles are not one fan.
     pub tangents: Vec<Option<Vec4>>,
 }
 

@@ -3,8 +3,8 @@
 //! MikkTSpace gives a tangent to each corner of a triangle. Corners that share a vertex but not a tangent (at seams of
 //! the texture) get a vertex each.
 //!
-//! MikkTSpace has v grow upwards, glTF downwards. The bitangent of glTF points up in the picture, as the green of normal maps
-//! does, so its sign is the opposite of MikkTSpace's.
+//! MikkTSpace has v grow upwards, glTF downwards. The bitangent of glTF points up in the picture, as the green of
+//! normal maps does, so its sign is the opposite of MikkTSpace's.
 //!
 //! Nearly all vertices of a mesh are in the middle, or at an open end, of one fan of triangles; what MikkTSpace gives to
 //! those is a closed form ([`super::fans`]). The others, at mirrored textures and where surfaces touch, are left to the

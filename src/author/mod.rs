@@ -1,9 +1,10 @@
 //! Writing media into glTF files, and between the ways of describing them.
 //!
-//! A document is changed as text ([`text`]): what nobody asked to change keeps every byte. [`file`](mod@file) takes `.gltf` and
-//! `.glb` apart and puts them together again, [`medium`] reads the medium of a material from whichever description wins,
-//! [`nephrite`], [`khronos`] and [`openpbr`] write it, [`bodies`] knows how large the objects are, and [`check`] finds what
-//! is wrong with all of it. All numbers are doubles: what is converted there and back should come back.
+//! A document is changed as text ([`text`]): what nobody asked to change keeps every byte. [`file`](mod@file) takes
+//! `.gltf` and `.glb` apart and puts them together again, [`medium`] reads the medium of a material from whichever
+//! description wins, [`nephrite`], [`khronos`] and [`openpbr`] write it, [`bodies`] knows how large the objects are,
+//! and [`check`] finds what is wrong with all of it. All numbers are doubles: what is converted there and back should
+//! come back.
 
 pub mod bodies;
 pub mod check;

@@ -1,11 +1,12 @@
 //! The conformance suite: small assets whose pictures are known, rendered by nephrite or by any other program, measured
 //! and judged.
 //!
-//! A [`Case`] is a folder: a glTF file, what must be seen of it (`expect.toml`), and a README. Most of what must be seen are
-//! means of regions whose values are closed forms or tabulated; where there is none, they are those of a converged random
-//! walk, kept beside the case ([`Reference`]). [`run()`] renders each case a few times with different seeds through a
-//! [`Renderer`]; [`measure`](measure()) estimates means with standard errors from these, [`judge()`] compares, and where a case
-//! fails, [`diagnose`](diagnose()) names the mistake that would show just that. [`report`] tells all of it.
+//! A [`Case`] is a folder: a glTF file, what must be seen of it (`expect.toml`), and a README. Most of what must be
+//! seen are means of regions whose values are closed forms or tabulated; where there is none, they are those of a
+//! converged random walk, kept beside the case ([`Reference`]). [`run()`] renders each case a few times with different
+//! seeds through a [`Renderer`]; [`measure`](measure()) estimates means with standard errors from these, [`judge()`]
+//! compares, and where a case fails, [`diagnose`](diagnose()) names the mistake that would show just that. [`report`]
+//! tells all of it.
 //!
 //! | word | meaning |
 //! | --- | --- |

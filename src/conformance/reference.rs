@@ -1,5 +1,6 @@
-//! Converged pictures of the random walk, for cases that have no closed form: `reference.exr`, half floats with where it comes
-//! from in its header, and `reference.toml`, the same with the mean of each region in full precision and its error.
+//! Converged pictures of the random walk, for cases that have no closed form: `reference.exr`, half floats with where
+//! it comes from in its header, and `reference.toml`, the same with the mean of each region in full precision and its
+//! error.
 
 use super::{ConformanceError, MAX_PIXELS};
 use crate::film::{Film, WriteOptions, atomic, read_exr, write};

@@ -1,11 +1,11 @@
 //! `KHR_materials_scatter` (glTF pull request 2579) and its predecessor `KHR_materials_volume_scatter` (2453): drafts
 //! that make the medium of `KHR_materials_volume` scatter.
 //!
-//! The attenuation of the volume is *total* extinction σt. The drafts state a multi-scatter albedo ρ, from which
-//! Kulla & Conty 2017 give the single-scattering albedo σs/σt ([`crate::optics::albedo`]); the older draft leaves the
-//! anisotropy g out of that step. Both are read in every spelling that is in use. The medium is already there when these hooks
-//! run; splitting its extinction anew is what makes the newer draft win over the older. Without a volume, the newer draft
-//! scatters at the surface of a thin wall.
+//! The attenuation of the volume is *total* extinction σt. The drafts state a multi-scatter albedo ρ, from which Kulla
+//! & Conty 2017 give the single-scattering albedo σs/σt ([`crate::optics::albedo`]); the older draft leaves the
+//! anisotropy g out of that step. Both are read in every spelling that is in use. The medium is already there when
+//! these hooks run; splitting its extinction anew is what makes the newer draft win over the older. Without a volume,
+//! the newer draft scatters at the surface of a thin wall.
 
 use glam::Vec3;
 

@@ -8,14 +8,15 @@
 //!   `|n| <= 1`. So the mesh is at least `min(δ - n · (p - c), ρ - |p - c|)` away: as good as the distance itself where the
 //!   surface is nearly flat, and cells need not be small.
 //!
-//! A walk whose next step is shorter than the bound stays inside and needs no ray query, nor does one whose step begins and ends
-//! in the ball and before the plane.
+//! A walk whose next step is shorter than the bound stays inside and needs no ray query, nor does one whose step begins
+//! and ends in the ball and before the plane.
 //!
 //! Cells are filled when they are first asked for: most of the volume is never visited. What a cell holds is a function
 //! of the cell alone, so it does not matter which thread fills it, or whether two do. Cells are stored in bricks of 4³,
 //! since walks stay in a neighbourhood; one search serves a brick that is deep inside.
 
 use super::mesh::MeshGeometry;
+use super::offset::ROUNDING;
 use glam::{UVec3, Vec3, Vec3A};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -32,8 +33,6 @@ const DISTANCE_UNITS: f32 = 4_000_000.0;
 const FARTHEST_PLANE: f32 = 4.0;
 /// Part of a distance that the search may miss; it ends early where many triangles are about equally far.
 const SEARCH_SLACK: f32 = 0.01;
-/// Rounding of coordinates and distances, relative to the largest coordinate.
-const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
 /// A conservative lower bound of the distance to a mesh, as a function of position.
 #[derive(Debug)]
@@ -136,7 +135,8 @@ impl DistanceBound {
         by_distance.max(by_plane).max(0.0)
     }
 
-    /// [`Self::bound`] at `p`, and whether a way that leads from there by `step` cannot meet the mesh: it stays before the plane.
+    /// [`Self::bound`] at `p`, and whether a way that leads from there by `step` cannot meet the mesh: it stays before
+    /// the plane.
     #[inline]
     pub fn bound_ahead(&self, mesh: &MeshGeometry, p: Vec3, step: Vec3) -> (f32, bool) {
         let (cell, from_middle) = self.look_up(mesh, p);

@@ -3,7 +3,7 @@
 use super::huge_pages::with_huge_pages;
 use super::lanes::{Lanes, Native};
 use super::nearest::{traverse_lowest, traverse_nearest};
-use super::offset::gamma;
+use super::offset::{ROUNDING, gamma};
 use super::ray::{Aabb, MeshHit, NearestPoint, Ray};
 use super::traversal::traverse;
 use super::triangle_block::{ShearRay, TriangleBlock, nearest_barycentrics};
@@ -14,12 +14,9 @@ use rayon::prelude::*;
 /// Greatest magnitude of a coordinate; squares and products of three lengths must stay finite.
 const GREATEST: f32 = 1.0e18;
 
-/// Rounding of coordinates and distances, relative to the largest of them: what is equal but for rounding may be off by
-/// so much, 16 roundings.
-pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
-/// Length of a ray, relative to coordinates, on which what is in one place can be met: [`ROUNDING`] across a plane, seen
-/// under 89°. Under flatter angles too, where vertices are equal or nearly so. What is met there and is not in the place after all
-/// costs no more than the question ([`super::SceneGeometry::place`]).
+/// Length of a ray, relative to coordinates, on which what is in one place can be met: [`ROUNDING`] across a plane,
+/// seen under 89°. Under flatter angles too, where vertices are equal or nearly so. What is met there and is not in the
+/// place after all costs no more than the question ([`super::SceneGeometry::place`]).
 pub(super) const BAND: f32 = 64.0 * ROUNDING;
 
 /// Triangles and the hierarchy that answers ray queries about them. Immutable.
@@ -186,8 +183,8 @@ impl MeshGeometry {
         least.sqrt()
     }
 
-    /// The least `n · (x - center)` of all triangles that reach into a ball, but at most `start`; nearly, as far as floats can
-    /// tell.
+    /// The least `n · (x - center)` of all triangles that reach into a ball, but at most `start`; nearly, as far as
+    /// floats can tell.
     pub(super) fn least_along(&self, n: Vec3, (center, radius): (Vec3, f32), start: f32) -> f32 {
         let squared = radius * radius;
         let mut least = start;

@@ -14,6 +14,7 @@
 mod collapse;
 mod containment;
 mod distance;
+mod edges;
 mod huge_pages;
 mod lanes;
 mod layout;
@@ -43,7 +44,7 @@ mod wide_bvh;
 
 pub use distance::DistanceBound;
 pub use mesh::MeshGeometry;
-pub use offset::{gamma, offset_origin};
+pub use offset::{ROUNDING, gamma, offset_origin};
 pub use ray::{Aabb, MeshHit, NearestPoint, Ray};
 pub use scene::{GeometryError, Hit, SceneGeometry, SurfacePoint};
 pub use similarity::Similarity;

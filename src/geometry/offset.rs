@@ -6,6 +6,10 @@
 
 use glam::Vec3;
 
+/// Rounding of coordinates and distances, relative to the largest of them: what is equal but for rounding may be off by
+/// so much, 16 roundings.
+pub const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
+
 /// γₙ = n ε / (1 − n ε), the bound of n roundings in a row (equation 6.20), with ε = 2⁻²⁴.
 pub const fn gamma(n: u32) -> f32 {
     let x = n as f64 / (1_u32 << 24) as f64;

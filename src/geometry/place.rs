@@ -1,8 +1,9 @@
 //! Surfaces in one place.
 //!
-//! Files hold surfaces that coincide: a label on a wall, a drink that fills its glass, two halves of a block. Up to rounding
-//! they are at one distance along a ray, and which one a query finds first is chance. So a hit tells whether it is `crowded`,
-//! and this is the query for what is there: every triangle that the ray meets and whose plane is where the first one's is.
+//! Files hold surfaces that coincide: a label on a wall, a drink that fills its glass, two halves of a block. Up to
+//! rounding they are at one distance along a ray, and which one a query finds first is chance. So a hit tells whether
+//! it is `crowded`, and this is the query for what is there: every triangle that the ray meets and whose plane is where
+//! the first one's is.
 //!
 //! Two hits a and b are in one place where each is in the other's plane,
 //!
@@ -93,8 +94,8 @@ impl SceneGeometry {
         (point - here.position).dot(here.geometric_normal).abs() <= allowed
     }
 
-    /// Whether two hits of an instance, both at edges, are one crossing: the triangles have an edge in common, which they run
-    /// along in opposite directions, and both face the ray or neither does.
+    /// Whether two hits of an instance, both at edges, are one crossing: the triangles have an edge in common, which
+    /// they run along in opposite directions, and both face the ray or neither does.
     fn is_same_crossing(&self, a: &(Hit, SurfacePoint), b: &(Hit, SurfacePoint), direction: Vec3) -> bool {
         let side = |point: &SurfacePoint| point.geometric_normal.dot(direction) < 0.0;
         if a.0.instance != b.0.instance || side(&a.1) != side(&b.1) {

@@ -9,7 +9,8 @@
 
 use super::lanes::Native;
 use super::lines::Lined;
-use super::mesh::{MeshGeometry, ROUNDING};
+use super::mesh::MeshGeometry;
+use super::offset::ROUNDING;
 use super::ray::{Aabb, MeshHit, Ray};
 use super::similarity::{Kind, Similarity};
 use super::traversal::traverse;

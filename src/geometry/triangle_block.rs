@@ -257,9 +257,9 @@ fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
 
 /// Normals, no longer than 2; zero for triangles without an area, NaN where all corners are one.
 ///
-/// Products are subtracted as if exact (Kahan; Jeannerod et al. 2013, "Further analysis of Kahan's algorithm for the accurate
-/// computation of 2x2 determinants"), so these are the normals of triangles whose corners are off by a rounding, needles
-/// included: above a triangle, its distance is off by a rounding of its size.
+/// Products are subtracted as if exact (Kahan; Jeannerod et al. 2013, "Further analysis of Kahan's algorithm for the
+/// accurate computation of 2x2 determinants"), so these are the normals of triangles whose corners are off by a
+/// rounding, needles included: above a triangle, its distance is off by a rounding of its size.
 #[inline(always)]
 fn normals<L: Lanes>([a, b, c]: &[[L; 3]; 3]) -> [L; 3] {
     let edge = |to: &[L; 3]| each([0, 1, 2], |k: usize| to[k].sub(a[k]));

@@ -7,7 +7,7 @@
 //! What is not open is never touched, so a closed mesh keeps every bit, and thin sheets and small details stay apart: an
 //! end moves by less than an eighth of its edge, and no two corners of a triangle become one.
 
-use super::topology::{distinct_triangles, edge_uses, merged_vertices, same_edge};
+use super::edges::{distinct_triangles, edge_uses, merged_vertices, same_edge};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;

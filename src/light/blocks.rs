@@ -11,8 +11,9 @@
 //!      = 0              x ≤ −s, where no direction of the block is above the horizon.
 //! ```
 //!
-//! So the density of a direction is that of the plain map times c ΣE / ΣEc, the *worth* of its block. Normals are rounded to
-//! a few hundred directions, for each of which the choice is tabulated; s is larger by as much as rounding may turn a normal.
+//! So the density of a direction is that of the plain map times c ΣE / ΣEc, the *worth* of its block. Normals are
+//! rounded to a few hundred directions, for each of which the choice is tabulated; s is larger by as much as rounding
+//! may turn a normal.
 
 use std::ops::Range;
 

@@ -1,10 +1,10 @@
 //! An equirectangular environment map: look-up, and sampling by radiance times cosine.
 //!
-//! The map is looked up bilinearly and sampled in proportion to that very look-up: the plane between texel centres
-//! is cut into cells with four texels as corners, a cell is chosen by its integral, and a point inside it by the
-//! bilinear patch of the corners. For light from all sides the pdf is so `mean(L) s / Z`, with `mean` the mean of the colour
-//! channels, and is positive wherever the map is. For a surface the cells are first chosen in blocks (`blocks.rs`), and the pdf is
-//! multiplied by what a block is worth there.
+//! The map is looked up bilinearly and sampled in proportion to that very look-up: the plane between texel centres is
+//! cut into cells with four texels as corners, a cell is chosen by its integral, and a point inside it by the bilinear
+//! patch of the corners. For light from all sides the pdf is so `mean(L) s / Z`, with `mean` the mean of the colour
+//! channels, and is positive wherever the map is. For a surface the cells are first chosen in blocks (`blocks.rs`), and
+//! the pdf is multiplied by what a block is worth there.
 //!
 //! | name | symbol | meaning |
 //! | --- | --- | --- |

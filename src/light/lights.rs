@@ -359,5 +359,8 @@ impl Lights {
 }
 
 #[cfg(test)]
+#[path = "close_tests.rs"]
+mod close_tests;
+#[cfg(test)]
 #[path = "lights_tests.rs"]
 mod tests;

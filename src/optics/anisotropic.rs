@@ -6,14 +6,14 @@
 //! | [`Facets::distribution`] | D(h) = 1/(π αx αy (hx²/αx² + hy²/αy² + hz²)²) |
 //! | [`Facets::masking`] | G1(ω) = 2 cos θ/(cos θ + √(cos²θ + αx² ωx² + αy² ωy²)) |
 //!
-//! What single scattering loses depends on the azimuth, too: [`super::facet_tables`]. Where one width has to stand for both, in
-//! the choice of what becomes of light that was lost once, it is the mean of order [`REFLECTED`].
+//! What single scattering loses depends on the azimuth, too: [`super::facet_tables`]. Where one width has to stand for
+//! both, in the choice of what becomes of light that was lost once, it is the mean of order [`REFLECTED`].
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Order of the mean of both widths, ((αx^p + αy^p)/2)^(1/p), whose facets lose as much of light from all directions as those
-/// of both, to 0.5 % of it.
+/// Order of the mean of both widths, ((αx^p + αy^p)/2)^(1/p), whose facets lose as much of light from all directions as
+/// those of both, to 0.5 % of it.
 pub(super) const REFLECTED: f32 = 1.7;
 
 /// Widths and direction of a microsurface.

@@ -17,7 +17,6 @@ use super::boundary_tables::{self, BoundaryTables, Compensation, MIN_ROUGH_ALPHA
 use super::{BsdfSample, fresnel, ggx, warp};
 use fresnel::Interface;
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// What becomes of light that meets the microsurface more than once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -106,10 +105,10 @@ impl DielectricBoundary {
         self
     }
 
-    /// Chooses between reflection and crossing, where a path comes from z > 0, as if only the share `below` in (0, 1] of what
-    /// crosses counted: reflections of a dark medium are its highlights, and rarely found by energy alone. Samples are
-    /// weighed for it. Densities are those of the choice up to the (small) share of light that compensation hands back,
-    /// which is sampled by energy: use them for weights between techniques only.
+    /// Chooses between reflection and crossing, where a path comes from z > 0, as if only the share `below` in (0, 1]
+    /// of what crosses counted: reflections of a dark medium are its highlights, and rarely found by energy alone.
+    /// Samples are weighed for it. Densities are those of the choice up to the (small) share of light that compensation
+    /// hands back, which is sampled by energy: use them for weights between techniques only.
     #[must_use]
     pub fn with_worth_below(mut self, below: f32) -> Self {
         self.below = below;
@@ -271,7 +270,7 @@ impl DielectricBoundary {
                     _ => {
                         let rest = warp::clamp_unit((rest - passed) / (1.0 - passed));
                         let here = if side.sign > 0.0 { front } else { 1 - front };
-                        sample_lost(&compensation, here, rest, warp::scramble(u, u_lobe))
+                        compensation.sample_lost(here, rest, warp::scramble(u, u_lobe))
                     }
                 };
                 (wi, worth)
@@ -322,7 +321,7 @@ impl DielectricBoundary {
         match self.kind {
             Kind::Multiple { compensation, front, .. } => {
                 let here = if side.sign > 0.0 { front } else { 1 - front };
-                let lost = lost_energy(&compensation, here, side.wo.z, i.z);
+                let lost = compensation.lost_energy(here, side.wo.z, i.z);
                 (facets * chosen * passed + lost, single + lost)
             }
             _ => (facets * chosen, single),
@@ -364,37 +363,6 @@ impl DielectricBoundary {
 #[inline]
 fn mirror(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
-}
-
-/// Energy per steradian and unit cosine of arrival that compensation sends from cosine `o` on side `here` to the signed
-/// cosine `i` (negative: on the other side): eq. (6) times |cos θ_i|.
-#[inline]
-pub(super) fn lost_energy(compensation: &Compensation, here: usize, o: f32, i: f32) -> f32 {
-    let lost = compensation.loss(here, o);
-    if lost <= 0.0 {
-        return 0.0;
-    }
-    let transmitted = compensation.transmitted[here];
-    let (share, there) = if i < 0.0 { (transmitted, 1 - here) } else { (1.0 - transmitted, here) };
-    let total = compensation.total[there];
-    if total <= 0.0 {
-        return 0.0;
-    }
-    share * lost * compensation.loss(there, i.abs()) * i.abs() * FRAC_1_PI / total
-}
-
-/// A direction of [`lost_energy`], given that the light was lost; z < 0 on the other side.
-pub(super) fn sample_lost(compensation: &Compensation, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
-    let transmitted = compensation.transmitted[here];
-    let (there, sign, u) = if u < transmitted {
-        (1 - here, -1.0, u / transmitted)
-    } else {
-        (here, 1.0, (u - transmitted) / (1.0 - transmitted))
-    };
-    let mu = compensation.sample(there, warp::clamp_unit(u));
-    let r = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
-    let (sin, cos) = (TAU * u_azimuth).sin_cos();
-    Vec3::new(r * cos, r * sin, sign * mu)
 }
 
 #[cfg(test)]

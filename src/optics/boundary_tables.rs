@@ -8,11 +8,13 @@
 //! | `correlation` | κ(η) | share of the masking of refracted light that straight-on passage undoes, eq. (5) |
 //! | `exchange` | X | transmitted part of the hemispherical loss of side 0; η² times that of side 1, eq. (8) |
 
-use super::fresnel;
 use super::lobe::{Lobe, Warp};
 use super::loss::Quadrature;
+use super::{fresnel, warp};
+use glam::Vec3;
 use std::cell::Cell;
 use std::collections::HashMap;
+use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Least roughness of the tables, and of a boundary that is not taken for smooth.
@@ -85,7 +87,8 @@ pub struct BoundaryTables {
 impl BoundaryTables {
     /// The tables for relative index `eta` (> 0; an index and its inverse share tables).
     ///
-    /// Kept for the life of the process, up to 170 kB each. Later calls from the same thread take no lock as long as it uses few indices.
+    /// Kept for the life of the process, up to 170 kB each. Later calls from the same thread take no lock as long as it
+    /// uses few indices.
     pub fn get(eta: f32) -> &'static Self {
         const RECENT: usize = 4;
         type Entry = (f32, Option<&'static BoundaryTables>);
@@ -244,6 +247,37 @@ impl Compensation<'_> {
         } else {
             slices.high.sides[side].sample(((x - low) / high.max(f32::MIN_POSITIVE)).min(1.0))
         }
+    }
+
+    /// Energy per steradian and unit cosine of arrival that compensation sends from cosine `o` on side `here` to the signed
+    /// cosine `i` (negative: on the other side): eq. (6) times |cos θ_i|.
+    #[inline]
+    pub(super) fn lost_energy(&self, here: usize, o: f32, i: f32) -> f32 {
+        let lost = self.loss(here, o);
+        if lost <= 0.0 {
+            return 0.0;
+        }
+        let transmitted = self.transmitted[here];
+        let (share, there) = if i < 0.0 { (transmitted, 1 - here) } else { (1.0 - transmitted, here) };
+        let total = self.total[there];
+        if total <= 0.0 {
+            return 0.0;
+        }
+        share * lost * self.loss(there, i.abs()) * i.abs() * FRAC_1_PI / total
+    }
+
+    /// A direction of [`Self::lost_energy`], given that the light was lost; z < 0 on the other side.
+    pub(super) fn sample_lost(&self, here: usize, u: f32, u_azimuth: f32) -> Vec3 {
+        let transmitted = self.transmitted[here];
+        let (there, sign, u) = if u < transmitted {
+            (1 - here, -1.0, u / transmitted)
+        } else {
+            (here, 1.0, (u - transmitted) / (1.0 - transmitted))
+        };
+        let mu = self.sample(there, warp::clamp_unit(u));
+        let r = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
+        let (sin, cos) = (TAU * u_azimuth).sin_cos();
+        Vec3::new(r * cos, r * sin, sign * mu)
     }
 }
 

@@ -343,8 +343,8 @@ fn extremes_give_finite_numbers() {
     }
 }
 
-/// What crosses counts less: the choice between the lobes is another, what is found on average is not. Two test functions for
-/// each lobe, by as many samples, |z| < 4.
+/// What crosses counts less: the choice between the lobes is another, what is found on average is not. Two test
+/// functions for each lobe, by as many samples, |z| < 4.
 #[test]
 fn choosing_by_worth_changes_no_mean() {
     let mut rng = Rng::new(23);

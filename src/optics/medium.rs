@@ -84,8 +84,8 @@ impl Medium {
         returned + (Vec3::ONE - returned) * through
     }
 
-    /// About how many scattering events a walk has in an object of that mean chord, m, in its longest channel: as many as the
-    /// mean chord holds, η² times as many for light that the boundary keeps in, or as absorption leaves.
+    /// About how many scattering events a walk has in an object of that mean chord, m, in its longest channel: as many
+    /// as the mean chord holds, η² times as many for light that the boundary keeps in, or as absorption leaves.
     pub fn events(&self, chord: f32) -> f32 {
         let through = self.sigma_s * (chord * self.ior * self.ior);
         let absorbed = Vec3::ONE - self.albedo();

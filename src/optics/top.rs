@@ -9,11 +9,11 @@
 //! R(µ_o) = ∫ e_b(o, i) (E(µ_i) − E(µ_o))⁺ dω_i,
 //! ```
 //!
-//! light that is thrown back to the base and comes out at last: layered surfaces return it by the lobe R(µ_o) R(µ_i) µ_i/(π R̄),
-//! R̄ = ∫ R µ dω/π, like Kulla & Conty 2017 what is lost by masking. Nothing comes back from a mirror, whose µ_i is µ_o; for a
-//! Lambertian base, and E that falls with µ, R(µ) = ∫₀^µ 2t (E(t) − E(µ)) dt =: R_L(µ). Below a dielectric's coat light
-//! leaves with 1 − p (1 − µ)⁵ in the place of 1, which takes R_S, the same integral weighed by (1 − t)⁵. For a GGX metal
-//! R is computed once for each pair of widths, by the direction ([`facet_residue`]).
+//! light that is thrown back to the base and comes out at last: layered surfaces return it by the lobe R(µ_o) R(µ_i)
+//! µ_i/(π R̄), R̄ = ∫ R µ dω/π, like Kulla & Conty 2017 what is lost by masking. Nothing comes back from a mirror,
+//! whose µ_i is µ_o; for a Lambertian base, and E that falls with µ, R(µ) = ∫₀^µ 2t (E(t) − E(µ)) dt =: R_L(µ). Below a
+//! dielectric's coat light leaves with 1 − p (1 − µ)⁵ in the place of 1, which takes R_S, the same integral weighed by
+//! (1 − t)⁵. For a GGX metal R is computed once for each pair of widths, by the direction ([`facet_residue`]).
 
 use super::anisotropic::Facets;
 use super::base::Spread;

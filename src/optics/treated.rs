@@ -7,10 +7,10 @@
 //! F' = s (F0 color + (1 − F0 color) w),      F' = 1 under total internal reflection,
 //! ```
 //!
-//! blended with the reflectance of a film on a base of s F0 color, at the same angle outside. Directions are those of the bare dielectric. F' depends on
-//! the facet alone, whichever side the light comes from, so the boundary is reciprocal, and what is not reflected crosses.
-//! Light lost by masking comes back as at the bare boundary (`docs/boundary.md` §5), as much as facets of F' lose in each
-//! direction ([`super::boundary_losses`]).
+//! blended with the reflectance of a film on a base of s F0 color, at the same angle outside. Directions are those of
+//! the bare dielectric. F' depends on the facet alone, whichever side the light comes from, so the boundary is
+//! reciprocal, and what is not reflected crosses. Light lost by masking comes back as at the bare boundary
+//! (`docs/boundary.md` §5), as much as facets of F' lose in each direction ([`super::boundary_losses`]).
 
 use super::anisotropic::Facets;
 use super::boundary::{MATCHED_INDEX, Microfacet};

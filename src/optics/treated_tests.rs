@@ -16,8 +16,9 @@ fn untreated_is_the_bare_boundary() {
             let wo = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let wi = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
             let (f, g) = (t.eval_pdf(wo, wi).0, b.eval(wo, wi));
-            // Tables of facets with two widths are coarser than those of one. At α 0.1 and near the horizon what comes back is
-            // up to 0.01 a steradian off, which goes to or comes from the other side: the sum over both is kept.
+            // Tables of facets with two widths are coarser than those of one. At α 0.1 and near the horizon what comes
+            // back is up to 0.01 a steradian off, which goes to or comes from the other side: the sum over both is
+            // kept.
             let coarse = if alpha < 0.3 { 1.2e-2 } else { 2e-3 };
             assert!((f - g).abs().max_element() < 2e-3 * g.x + coarse, "{wo} {wi}: {f} for {g}");
         }

@@ -1,9 +1,9 @@
 //! Exponentially distributed numbers without a logarithm: the ziggurat.
 //!
-//! Marsaglia & Tsang 2000, "The ziggurat method for generating random variables". The area below e^{−x} is cut into 256 layers
-//! of equal area, 255 rectangles and a strip with the tail. In a layer chosen at random a uniform x is nearly always below the
-//! curve whatever its height (98.9 %), which one comparison tells. A walk draws one for each flight; the logarithm of
-//! [`super::fast_math`] would be a third of what an event far from the boundary costs.
+//! Marsaglia & Tsang 2000, "The ziggurat method for generating random variables". The area below e^{−x} is cut into 256
+//! layers of equal area, 255 rectangles and a strip with the tail. In a layer chosen at random a uniform x is nearly
+//! always below the curve whatever its height (98.9 %), which one comparison tells. A walk draws one for each flight;
+//! the logarithm of [`super::fast_math`] would be a third of what an event far from the boundary costs.
 
 use super::rng::SmallRng;
 

@@ -1,8 +1,9 @@
 //! Exponential and logarithm for the inner loop of random walks: branch-free, inlined, vectorisable.
 //!
-//! A walk takes three exponentials after every few scattering events, and logarithms where it is guided or connected to light;
-//! calls into the system's mathematics library cost as much as everything else there. Both functions are polynomials after the usual reduction of the exponent (the
-//! logarithm with the coefficients of the Cephes library, S. Moshier), accurate to a few units in the last place.
+//! A walk takes three exponentials after every few scattering events, and logarithms where it is guided or connected to
+//! light; calls into the system's mathematics library cost as much as everything else there. Both functions are
+//! polynomials after the usual reduction of the exponent (the logarithm with the coefficients of the Cephes library, S.
+//! Moshier), accurate to a few units in the last place.
 
 use glam::Vec3A;
 

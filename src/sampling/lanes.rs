@@ -1,7 +1,7 @@
 //! Eight generators side by side: one step of all is a few vector operations.
 //!
-//! A long walk wants more random numbers than anything else, and a generator is a chain of operations that wait for each other.
-//! Eight chains of xoshiro128++ ([`super::SmallRng`]) run at once, which the compiler makes vectors of.
+//! A long walk wants more random numbers than anything else, and a generator is a chain of operations that wait for
+//! each other. Eight chains of xoshiro128++ ([`super::SmallRng`]) run at once, which the compiler makes vectors of.
 
 use super::rng::{SmallRng, state_of};
 

@@ -4,9 +4,9 @@
 //! it: sets of four dimensions, each set shuffled and scrambled with a seed of its own (padding, §5), and each pixel
 //! with seeds of its own, so that errors of neighbouring pixels are independent.
 //!
-//! The first [`SOBOL_DIMENSIONS`] numbers of a sample are low-discrepancy over the sample index; later ones come
-//! from the [`SmallRng`] of the same sample. The crate's sequences end at 2¹⁶ points, so every block of 65 536 samples starts new
-//! ones. All numbers are functions of (pixel, sample, seed) and of nothing else.
+//! The first [`SOBOL_DIMENSIONS`] numbers of a sample are low-discrepancy over the sample index; later ones come from
+//! the [`SmallRng`] of the same sample. The crate's sequences end at 2¹⁶ points, so every block of 65 536 samples
+//! starts new ones. All numbers are functions of (pixel, sample, seed) and of nothing else.
 
 use glam::Vec2;
 

@@ -1,7 +1,7 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
 use super::{AlphaMode, MediumDescription, MeshDescription, PunctualKind, Scene, Surface};
-use crate::geometry::{Aabb, DistanceBound, MeshGeometry, NO_COMPONENT, Topology};
+use crate::geometry::{Aabb, DistanceBound, MeshGeometry, NO_COMPONENT, ROUNDING, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
@@ -11,9 +11,6 @@ pub const NEARLY_SMOOTH: f32 = 0.02;
 
 /// Least of [`Object::returned`] in a channel: even black media are looked into now and then.
 const LEAST_RETURNED: f32 = 0.05;
-
-/// Room between objects that touch, relative to their coordinates: sixteen roundings.
-const TOUCHING: f32 = 1.0 / (1_u32 << 20) as f32;
 
 /// What a sample of a pixel costs beside its walk, in scattering events. Measured: four times as much is no better.
 const REST_OF_A_SAMPLE: f32 = 64.0;
@@ -44,8 +41,8 @@ pub struct Object {
     /// Light beyond the boundary can be aimed at from inside: it is concentrated, and what is in the way of it cannot be
     /// passed unbent (alpha, other media), or the boundary is rough, where aiming copes with that.
     pub aimable: bool,
-    /// About how much of the light that crosses into it comes out again ([`crate::optics::Medium::returned`]), the harmonic mean over the
-    /// channels, since each is looked at by itself; `None` where that varies.
+    /// About how much of the light that crosses into it comes out again ([`crate::optics::Medium::returned`]), the
+    /// harmonic mean over the channels, since each is looked at by itself; `None` where that varies.
     pub returned: Option<f32>,
     /// Walks that are worth one sample of a pixel, at least 1: more where they are short.
     pub walks: u32,
@@ -231,7 +228,7 @@ impl Scene {
 
 /// A box with room for what only touches it, up to rounding.
 fn touched(bounds: &Aabb) -> Aabb {
-    let room = TOUCHING * bounds.min.abs().max(bounds.max.abs()).max_element();
+    let room = ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element();
     Aabb { min: bounds.min - room, max: bounds.max + room }
 }
 

@@ -2,8 +2,8 @@
 
 use super::intruders::Intruders;
 use super::last_event::LastEvent;
-use super::random_walk::placed;
 use super::spectral::Coefficients;
+use super::steps::placed;
 use super::{Aim, Aimed, Connector};
 use crate::geometry::{DistanceBound, MeshGeometry, MeshHit, Ray, Similarity};
 use crate::sampling::{Sampler, fast_math};
@@ -14,8 +14,8 @@ pub(super) const AIMING_DEPTH: f32 = 2.0;
 /// Probability of aiming at the boundary, and how fast it falls with depth. Measured: more costs more than it saves.
 pub(super) const AIMING_RATE: f32 = 0.5;
 pub(super) const AIMING_FALLOFF: f32 = 1.5;
-/// Connections where a walk meets the boundary: a smooth one, where no light is sampled for them and few get through, can have
-/// more. Measured.
+/// Connections where a walk meets the boundary: a smooth one, where no light is sampled for them and few get through,
+/// can have more. Measured.
 const CONNECTIONS: f32 = 2.0;
 const SMOOTH_CONNECTIONS: f32 = 4.0;
 /// Depth of the last event down to which that is done, in the longest mean free path: nearly all. Measured: with 2 instead
@@ -114,8 +114,8 @@ impl<'a> Aiming<'a> {
         }
     }
 
-    /// For a walk that turned to the direction `d` at the last event, and met the boundary at a length `t`: how it could have
-    /// been aimed.
+    /// For a walk that turned to the direction `d` at the last event, and met the boundary at a length `t`: how it
+    /// could have been aimed.
     pub fn aimed_at_event(
         &mut self,
         c: &Coefficients,

@@ -1,9 +1,9 @@
 //! What chance decides at the events of a walk, for eight events at once.
 //!
-//! Far from the boundary an event is little more than a free flight and a new direction, which depend on nothing that happens: a
-//! logarithm, a square root, a sine and a cosine. Drawn one by one they are most of what an event costs, drawn for eight events
-//! in vectors a small part of it. Directions are relative to the one before; where scattering is isotropic they are just
-//! directions.
+//! Far from the boundary an event is little more than a free flight and a new direction, which depend on nothing that
+//! happens: a logarithm, a square root, a sine and a cosine. Drawn one by one they are most of what an event costs,
+//! drawn for eight events in vectors a small part of it. Directions are relative to the one before; where scattering is
+//! isotropic they are just directions.
 
 use crate::optics::HenyeyGreenstein;
 use crate::sampling::lanes::{LANES, WideRng};

@@ -1,10 +1,11 @@
 //! Where on an arbitrary closed mesh did light come in that left at x_o? The exit-point search that all radial models
 //! share (King, Kulla, Conty, Fajardo 2013, "BSSRDF importance sampling").
 //!
-//! Lines are thrown at the object: always `LINES` along the normal at x_o, and with probability `SIDEWAYS` one along one
-//! of two tangents, each at a distance r from x_o that is drawn from the profile of one channel. Every crossing with
-//! the boundary of *the same object* is a candidate. A line's density per area of the plane across it is p(r) = Σ_c P_c p_c(r), and a
-//! surface element dA offers |n·a| dA to it, so over all lines a point x has the expected number of candidates per area
+//! Lines are thrown at the object: always `LINES` along the normal at x_o, and with probability `SIDEWAYS` one along
+//! one of two tangents, each at a distance r from x_o that is drawn from the profile of one channel. Every crossing
+//! with the boundary of *the same object* is a candidate. A line's density per area of the plane across it is p(r) =
+//! Σ_c P_c p_c(r), and a surface element dA offers |n·a| dA to it, so over all lines a point x has the expected number
+//! of candidates per area
 //!
 //! ```text
 //! λ(x) = Σ_a N_a |n·a| p(|D − (D·a) a|) q,   D = x − x_o

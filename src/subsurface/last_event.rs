@@ -95,8 +95,8 @@ impl LastEvent {
 
 #[cfg(test)]
 mod tests {
-    use super::super::random_walk::redirect;
     use super::super::spectral::draw_flight;
+    use super::super::steps::redirect;
     use super::*;
     use crate::sampling::SmallRng;
 

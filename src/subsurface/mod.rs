@@ -31,6 +31,7 @@ mod random_walk;
 mod single_scattering;
 mod spectral;
 mod sphere_jumps;
+mod steps;
 mod tables;
 mod textured;
 
@@ -58,7 +59,8 @@ use crate::scene::{Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
 
-/// Errors of a point, as often as another surface in the same place may be away from it.
+/// Errors of a point, as often as another surface in the same place may be away from it: a point's error is of two or three
+/// roundings, and what touches was moved by a transform of its own.
 pub(crate) const TOUCHING: f32 = 8.0;
 
 /// A flight below a surface: which object, which medium.

@@ -1,9 +1,10 @@
 //! What the radial models share: S(x_i, ω_i; x_o, ω_o) = F_t(ω_o) R(|x_i − x_o|) F_t(ω_i) / (π C).
 //!
-//! The boundary has already chosen transmission (F_t(ω_o)) when a flight begins at x_o. The search finds x_i with density
-//! p_A, so the throughput gains R/p_A, and the path goes on through a lobe in proportion to F_t(ω_i) cos θ_i. C is 1
-//! where a model says so (Jensen et al. 2001), so that only ∫ F_t cos θ dω/π = 1 − F̄ is kept, or 1 − F̄ where the
-//! profile already is what leaves the surface. η² brings radiance out of the medium again, the base colour tints the crossing.
+//! The boundary has already chosen transmission (F_t(ω_o)) when a flight begins at x_o. The search finds x_i with
+//! density p_A, so the throughput gains R/p_A, and the path goes on through a lobe in proportion to F_t(ω_i) cos θ_i. C
+//! is 1 where a model says so (Jensen et al. 2001), so that only ∫ F_t cos θ dω/π = 1 − F̄ is kept, or 1 − F̄ where the
+//! profile already is what leaves the surface. η² brings radiance out of the medium again, the base colour tints the
+//! crossing.
 
 use super::exit_search::ExitSearch;
 use super::from_boundary::{FromBoundary, or_walk};

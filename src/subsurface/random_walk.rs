@@ -8,10 +8,10 @@
 //!
 //! **Distances.** Free flights and their weights are those of [`super::spectral`].
 //!
-//! **Short queries.** In a closed object the walk runs in the object's own space, and a flight shorter than a lower bound
-//! of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. Flights and directions are drawn for
-//! several events at once ([`super::draws`]). What else reaches into the
-//! object's bounds is only asked for by flights that come near it.
+//! **Short queries.** In a closed object the walk runs in the object's own space, and a flight shorter than a lower
+//! bound of the distance to the boundary ([`crate::geometry::DistanceBound`]) asks no ray query. Flights and directions
+//! are drawn for several events at once ([`super::draws`]). What else reaches into the object's bounds is only asked
+//! for by flights that come near it.
 //!
 //! **Jumps.** The accelerated walk crosses spheres at once ([`super::sphere_jumps`]).
 //!
@@ -19,11 +19,11 @@
 //! ([`super::guide`]).
 //!
 //! **Connections.** Where a walk has met the boundary, its last event is connected to light ([`super::last_event`]): a
-//! direction ω is aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that it finds directly is
-//! added. Guided walks are connected at events near the boundary instead, each with some probability. The path itself may
-//! find the same light: its direction has density p (the phase function), and it reaches the boundary with probability P.
-//! Both are weighed by the power heuristic with the ratio r = a q/(p P), a connections being made on average
-//! ([`PathHead::aimed`]); `transport::weight` has the weights.
+//! direction ω is aimed at light beyond the boundary ([`super::Aim`]) with density q, and the light that it finds
+//! directly is added. Guided walks are connected at events near the boundary instead, each with some probability. The
+//! path itself may find the same light: its direction has density p (the phase function), and it reaches the boundary
+//! with probability P. Both are weighed by the power heuristic with the ratio r = a q/(p P), a connections being made
+//! on average ([`PathHead::aimed`]); `transport::weight` has the weights.
 
 use super::aiming::{self, Aiming, Event};
 use super::draws::Draws;
@@ -31,15 +31,13 @@ use super::guide::{Guide, Plain, Steering, Way, Ways};
 use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::sphere_jumps::{Jumping, SphereJumps};
+use super::steps::{placed, scatter, survival};
 use super::{Aimed, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
-use crate::optics::{HenyeyGreenstein, Medium};
-use crate::sampling::{Sampler, SmallRng, fast_math};
+use crate::optics::Medium;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use glam::{Vec3, Vec3A};
-
-/// Below this throughput (largest channel, radiance scale of the outside) paths play Russian roulette.
-const ROULETTE_BELOW: f32 = 0.5;
 
 /// The ground truth.
 pub struct RandomWalk;
@@ -134,19 +132,6 @@ impl Propagator for Walker {
             }
             _ => walk_in_scene(flight, head, sampler, connector),
         }
-    }
-}
-
-/// Russian roulette of a path of the given largest throughput, in the radiance scale of the outside: what to multiply its
-/// throughput with, zero where it ends.
-#[inline]
-pub(super) fn survival(largest: f32, rng: &mut SmallRng) -> f32 {
-    if largest >= ROULETTE_BELOW {
-        1.0
-    } else if rng.f32() * ROULETTE_BELOW < largest {
-        ROULETTE_BELOW / largest
-    } else {
-        0.0
     }
 }
 
@@ -339,12 +324,6 @@ fn guide(flight: &Flight<'_>, c: &Coefficients, p: Vec3) -> Option<Guide> {
     Guide::new(c, axis, ahead)
 }
 
-/// A hit of an instance's mesh as one of the scene.
-pub(super) fn placed(hit: &MeshHit, instance: u32, scale: f32) -> Hit {
-    let &MeshHit { t, triangle, u, v, band, crowded } = hit;
-    Hit { t: t * scale, instance, triangle, u, v, band: band * scale, crowded }
-}
-
 /// The walk among whatever else is inside, in world space.
 fn walk_in_scene(
     flight: &Flight<'_>,
@@ -379,41 +358,4 @@ fn walk_in_scene(
             return Arrival::Ended;
         }
     }
-}
-
-/// A new direction of travel.
-#[inline(always)]
-pub(super) fn redirect(phase: HenyeyGreenstein, incoming: Vec3, rng: &mut SmallRng) -> Vec3 {
-    if phase.g == 0.0 { uniform_direction(rng) } else { phase.sample(incoming, rng.vec2()).0 }
-}
-
-/// A direction uniform over the sphere.
-#[inline]
-pub(super) fn uniform_direction(rng: &mut SmallRng) -> Vec3 {
-    let z = 1.0 - 2.0 * rng.f32();
-    let radius = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = fast_math::sin_cos_turns(rng.f32() - 0.5);
-    Vec3::new(radius * cos, radius * sin, z)
-}
-
-/// A scattering event, with connections to lights where they can be made. False: nothing is left to carry.
-pub(super) fn scatter(
-    head: &mut PathHead,
-    phase: HenyeyGreenstein,
-    sampler: &mut Sampler,
-    mut connector: Option<&mut dyn Connector>,
-) -> bool {
-    head.events += 1;
-    if head.throughput.max_element() <= 0.0 {
-        return false;
-    }
-    let incoming = head.direction;
-    if let Some(connector) = &mut connector {
-        connector.scattered(head.position, incoming, head.throughput, phase, sampler);
-    }
-    head.direction = redirect(phase, incoming, sampler.rng());
-    if let Some(connector) = connector {
-        connector.redirected(head.position, phase.eval_directions(incoming, head.direction));
-    }
-    true
 }

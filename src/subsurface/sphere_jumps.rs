@@ -1,27 +1,27 @@
 //! Jumps of a walk across spheres: many scattering events at once, deep inside of an object.
 //!
-//! At an event far from the boundary all that matters is how the light leaves a sphere about it. Where scattering is isotropic
-//! it leaves anywhere on the sphere alike; what is left of each channel is tabulated
-//! ([`Sphere`]), and so is the angle to the normal under which it leaves. Compare the shells of
-//! Moon, Walter & Marschner 2008 and Müller et al. 2016.
+//! At an event far from the boundary all that matters is how the light leaves a sphere about it. Where scattering is
+//! isotropic it leaves anywhere on the sphere alike; what is left of each channel is tabulated ([`Sphere`]), and so is
+//! the angle to the normal under which it leaves. Compare the shells of Moon, Walter & Marschner 2008 and Müller et al.
+//! 2016.
 //!
-//! Where scattering is not isotropic the walk jumps as one of isotropic scattering σs* does that absorbs as much and in which
-//! light decays over the same length ([`equivalent`]). After an event it takes one free flight of that medium, which
-//! carries it as far as the memory of its direction does on average, is weighed for all channels like any
-//! flight, and ends in an event. The sphere is about that. A flight that comes too near to the boundary is cut there, and the
+//! Where scattering is not isotropic the walk jumps as one of isotropic scattering σs* does that absorbs as much and in
+//! which light decays over the same length ([`equivalent`]). After an event it takes one free flight of that medium,
+//! which carries it as far as the memory of its direction does on average, is weighed for all channels like any flight,
+//! and ends in an event. The sphere is about that. A flight that comes too near to the boundary is cut there, and the
 //! walk goes on step by step.
 //!
 //! Two things are approximated:
 //!
-//! - the angle is that of light without absorption, and from 16 mean free paths on that of a sphere of 16. It is forgotten after
-//!   one free flight;
+//! - the angle is that of light without absorption, and from 16 mean free paths on that of a sphere of 16. It is
+//!   forgotten after one free flight;
 //! - media that scatter forward are not their equivalents, near a source or a boundary, and the less the more is absorbed.
 //!   So walks jump only through spheres of [`NOT_SIMILAR`] radii more, and not at all where a channel absorbs more
 //!   than [`MOST_ABSORBED`].
 
 use super::guide::{Plain, Steering};
-use super::random_walk::uniform_direction;
 use super::spectral::Coefficients;
+use super::steps::uniform_direction;
 use crate::optics::diffusion::sphere::{Sphere, equivalent};
 use crate::sampling::{SmallRng, fast_math, orthonormal_basis};
 use glam::{Mat3, Vec3, Vec3A};
@@ -182,8 +182,8 @@ mod tests {
     ];
 
     /// Light leaves a large sphere as it leaves a half space of Milne's problem, with a mean cosine of 0.7104 (Hopf's
-    /// constant); from a small one it leaves more steeply. Standard error of a mean: 0.003; a sphere of 16 mean free paths is still
-    /// curved, for which 0.01 are allowed.
+    /// constant); from a small one it leaves more steeply. Standard error of a mean: 0.003; a sphere of 16 mean free
+    /// paths is still curved, for which 0.01 are allowed.
     #[test]
     fn angles_come_near_to_those_of_milnes_problem() {
         let mean = |i| angles(i).iter().sum::<f32>() / SAMPLES as f32;
@@ -191,8 +191,9 @@ mod tests {
         assert!(mean(0) > mean(ANGLES - 1));
     }
 
-    /// Out of a larger sphere step by step and with a jump first: the weight of each channel, and how far the walk has come in
-    /// the direction in which it set out. 4 standard errors, and 0.5 %, which is what the accelerated walk may be off.
+    /// Out of a larger sphere step by step and with a jump first: the weight of each channel, and how far the walk has
+    /// come in the direction in which it set out. 4 standard errors, and 0.5 %, which is what the accelerated walk may
+    /// be off.
     #[test]
     fn jumps_lead_where_walks_lead() {
         for (g, sigma_a) in [(0.0, Vec3::new(0.001, 0.01, 0.05)), (0.6, Vec3::new(0.0005, 0.001, 0.002))] {

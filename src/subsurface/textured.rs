@@ -18,7 +18,7 @@
 //! every path whatever P is, so a wrong P costs noise and nothing else.
 
 use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
-use super::random_walk::{scatter, survival};
+use super::steps::{scatter, survival};
 use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
 use crate::sampling::{Sampler, SmallRng};

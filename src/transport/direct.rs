@@ -73,9 +73,7 @@ impl Shaded<'_> {
         };
         self.anchor = Anchor::at(self.surface.position, normal);
     }
-}
 
-impl Shaded<'_> {
     /// What to multiply light that has crossed with, so that its scale is that of the media's nominal indices, which is what
     /// follows from where a path is.
     pub fn undispersed(&self) -> f32 {
@@ -174,7 +172,7 @@ impl PathTracer<'_> {
         contribution * through * scale * self.transmittance(&ray, stack, sampler)
     }
 
-    /// Whether light comes into a medium there.
+    /// Whether a surface is the boundary of a medium.
     pub(super) fn bounds_medium(&self, surface: &Surface) -> bool {
         self.scene.medium(surface.material).is_some()
     }

@@ -1,5 +1,6 @@
-//! Dispersion: a path draws one wavelength where a dispersive boundary first refracts it ([`crate::optics::spectrum`]), and
-//! keeps it. In media that scatter it would be forgotten anyway, so there all refract alike. What a smooth boundary reflects goes the same way for all wavelengths, so it keeps the path's three colours.
+//! Dispersion: a path draws one wavelength where a dispersive boundary first refracts it ([`crate::optics::spectrum`]),
+//! and keeps it. In media that scatter it would be forgotten anyway, so there all refract alike. What a smooth boundary
+//! reflects goes the same way for all wavelengths, so it keeps the path's three colours.
 
 use super::interface::Contrast;
 use super::media::Enclosure;

@@ -140,9 +140,9 @@ impl Connector for FlightLights<'_, '_> {
         let mut stack = self.stack;
         stack.leave(self.enclosure.instance);
         let mut surface = *surface;
-        self.tracer.look_around(&mut stack, self.enclosure, &mut surface);
+        let scale = self.tracer.look_around(&mut stack, self.enclosure, &mut surface);
         let ray = self.tracer.shadow_ray_from(&surface, &LightSample { distance, ..*light });
-        self.radiance += contribution * self.tracer.transmittance(&ray, stack, sampler);
+        self.radiance += contribution * scale * self.tracer.transmittance(&ray, stack, sampler);
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {

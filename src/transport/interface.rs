@@ -35,8 +35,8 @@ pub(super) struct Interface {
     pub contrast: Option<Contrast>,
 }
 
-/// What crossing boundaries does to the stack of a path. Where there is one it is kept as what changes: stacks are large, and
-/// most paths that meet a boundary do not cross it at once.
+/// What crossing boundaries does to the stack of a path. Where there is one it is kept as what changes: stacks are
+/// large, and most paths that meet a boundary do not cross it at once.
 #[derive(Clone, Debug)]
 pub(super) enum Crossing {
     /// This object now winds so often about the path.
@@ -213,12 +213,13 @@ impl PathTracer<'_> {
     }
 
     /// Finds out what is around an exit from an object that others overlap or touch; the way from there begins beyond their
-    /// boundaries in the same place.
-    pub(super) fn look_around(&self, stack: &mut MediumStack, left: Enclosure, exit: &mut Surface) {
+    /// boundaries in the same place. Returns what the weight of radiance changes by, as in [`Self::moved`].
+    pub(super) fn look_around(&self, stack: &mut MediumStack, left: Enclosure, exit: &mut Surface) -> f32 {
         let object = &self.scene.objects[left.instance as usize];
         if !object.overlapped {
-            return;
+            return 1.0;
         }
+        let before = self.ior_in(stack);
         exit.error *= TOUCHING;
         let normal = exit.geometric_normal;
         let outside = offset_origin(exit.position, exit.error, normal, normal);
@@ -228,5 +229,6 @@ impl PathTracer<'_> {
                 set_winding(self.scene, stack, intruder.instance, outside);
             }
         }
+        (before / self.ior_in(stack)).powi(2)
     }
 }

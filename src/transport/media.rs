@@ -79,11 +79,6 @@ impl MediumStack {
         self.entries[..self.len as usize].iter().rposition(|e| e.instance == instance)
     }
 
-    /// Changes how often an object winds about the path, as crossing its boundary does.
-    pub fn wind(&mut self, enclosure: Enclosure, change: i32) {
-        self.set(enclosure, self.winding(enclosure.instance) + change);
-    }
-
     /// Sets how often an object winds about the path.
     pub fn set(&mut self, enclosure: Enclosure, winding: i32) {
         let narrow = winding.clamp(i8::MIN.into(), i8::MAX.into()) as i8;
@@ -127,6 +122,13 @@ impl MediumStack {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl MediumStack {
+        /// Crosses a boundary.
+        fn wind(&mut self, enclosure: Enclosure, change: i32) {
+            self.set(enclosure, self.winding(enclosure.instance) + change);
+        }
+    }
 
     fn object(instance: u32, rank: u32) -> Enclosure {
         Enclosure { instance, material: 0, rank }

@@ -12,6 +12,7 @@ mod ground;
 mod interface;
 mod leave;
 mod media;
+mod meet;
 mod path;
 mod pixel;
 mod place;

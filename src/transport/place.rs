@@ -2,14 +2,15 @@
 //!
 //! They are met one after the other, as if thin gaps were between them, from the top down:
 //!
-//! - The later in the document lies on top, from whichever side one looks: a label that was modelled after its wall covers
-//!   it. All boundaries of media are one member of this order, at the place of the last of them ([`super::interface`]). From
-//!   inside of what they bound they come first, so that a body which stands on a floor has air below it, as if a little above.
-//! - Faces that are culled are not there where something else is: of two single-sided faces of opposite winding, the one that
-//!   shows its front is met.
-//! - Where a sheet does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that comes back
-//!   from below passes the same hole, so the members are composited as *over* has it. Boundaries of media stay, as the path
-//!   crosses them wherever it passes; that there is a hole in them is remembered.
+//! - The later in the document lies on top, from whichever side one looks: a label that was modelled after its wall
+//!   covers it. All boundaries of media are one member of this order, at the place of the last of them
+//!   ([`super::interface`]). From inside of what they bound they come first, so that a body which stands on a floor has
+//!   air below it, as if a little above.
+//! - Faces that are culled are not there where something else is: of two single-sided faces of opposite winding, the
+//!   one that shows its front is met.
+//! - Where a sheet does not cover the place (alpha), it is taken out, and the path goes on to the next. Light that
+//!   comes back from below passes the same hole, so the members are composited as *over* has it. Boundaries of media
+//!   stay, as the path crosses them wherever it passes; that there is a hole in them is remembered.
 //! - Where a member sends the path on through it, the next one below is met, and where it sends it back, the one above.
 //! - Shadow rays that start at a member pass the others on their side of it. No direction leads to a lamp that is one of
 //!   them, so it is not sampled, and what a path finds there once it was scattered in the place counts in full.
@@ -150,8 +151,8 @@ impl InPlace {
         self.place.members.iter()
     }
 
-    /// The members that a ray from the one that is met passes when it leaves the place, and whether each is known not to cover
-    /// it.
+    /// The members that a ray from the one that is met passes when it leaves the place, and whether each is known not
+    /// to cover it.
     pub fn towards(&self, direction: Vec3) -> impl Iterator<Item = (&Member, bool)> {
         let at = self.at.min(self.left.len());
         let (below, above) = self.left.split_at(at);

@@ -1,8 +1,8 @@
 //! Shadow rays: what a connection to a light loses on its way.
 //!
-//! A ray towards an emitter ends where it meets the emitter's own triangle: ending it short of that would make what is close
-//! to a lamp transparent. What lies in one place with the triangle hides it where it is on top ([`super::place`]). The way to
-//! a punctual light ends at its point, up to rounding.
+//! A ray towards an emitter ends where it meets the emitter's own triangle: ending it short of that would make what is
+//! close to a lamp transparent. What lies in one place with the triangle hides it where it is on top
+//! ([`super::place`]). The way to a punctual light ends at its point, up to rounding.
 //!
 //! Alpha, boundaries between equal indices and media are passed; other boundaries bend light, so nothing gets through in a
 //! straight line. Where alpha lets light into a medium of another index, L/n² is what stays.
@@ -10,16 +10,13 @@
 use super::media::MediumStack;
 use super::path::PathTracer;
 use super::place::InPlace;
-use crate::geometry::{Hit, Ray, offset_origin};
+use crate::geometry::{Hit, ROUNDING, Ray, offset_origin};
 use crate::light::{LightPoint, LightSample};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::sampling::Sampler;
 use crate::scene::{AlphaMode, Surface};
 use crate::subsurface::{Start, TexturedMedium};
 use glam::Vec3;
-
-/// What the distance of a punctual light may be off by, relative to coordinates.
-const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
 
 /// Surfaces that a shadow ray may pass, so that none goes on for ever.
 const MOST_PASSED: u32 = 1 << 16;

@@ -1,8 +1,9 @@
 //! Media in full view: reflection is chosen by what it is worth, and more than one walk follows a refraction where walks are
 //! short.
 //!
-//! Chosen by energy alone, the highlights of a dark medium are found as rarely as its boundary reflects. And where a walk has
-//! few events, the rest of a sample costs more than the walk: several walks a sample are cheaper than as many samples.
+//! Chosen by energy alone, the highlights of a dark medium are found as rarely as its boundary reflects. And where a
+//! walk has few events, the rest of a sample costs more than the walk: several walks a sample are cheaper than as many
+//! samples.
 
 use super::media::Enclosure;
 use super::path::PathTracer;

@@ -1,10 +1,11 @@
 //! Light at the terminator of coarse meshes with smooth normals.
 //!
-//! A shading normal turns the horizon of a point away from that of its triangle. Light from between the two horizons comes
-//! through the triangle: without it, shadows end along edges instead of where the smooth surface turns away from the light.
-//! It would be right from the smooth surface above the triangle ([`crate::scene::Surface::smooth_position`]), and so reflected light in
-//! those directions, sampled or met by chance, goes from there. All other directions go from the triangle. What is reflected
-//! is an integral over the whole hemisphere of the shading normal then, with nothing lost and nothing counted twice.
+//! A shading normal turns the horizon of a point away from that of its triangle. Light from between the two horizons
+//! comes through the triangle: without it, shadows end along edges instead of where the smooth surface turns away from
+//! the light. It would be right from the smooth surface above the triangle
+//! ([`crate::scene::Surface::smooth_position`]), and so reflected light in those directions, sampled or met by chance,
+//! goes from there. All other directions go from the triangle. What is reflected is an integral over the whole
+//! hemisphere of the shading normal then, with nothing lost and nothing counted twice.
 //!
 //! Where the smooth surface is not above the triangle, or something is in between, there is no such light, and scattered
 //! rays are mirrored back to the triangle's own side ([`super::leave`]). So it is at boundaries of media, too: what passes

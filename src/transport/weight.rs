@@ -28,8 +28,8 @@ pub(super) struct Techniques {
 }
 
 impl Techniques {
-    /// Where the scattering is a delta, or lights are not sampled, `light` is 0 and `chance` 1. Densities that overflowed are
-    /// the largest.
+    /// Where the scattering is a delta, or lights are not sampled, `light` is 0 and `chance` 1. Densities that
+    /// overflowed are the largest.
     #[inline]
     pub fn new(light: f32, chance: f32, aimed: f32) -> Self {
         let [light, chance, aimed] = [light, chance, aimed].map(|density| density.min(f32::MAX));

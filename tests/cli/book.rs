@@ -5,8 +5,8 @@
 //!
 //! - Options that cost time are set to little ([`REDUCED`]), whatever the page says.
 //! - `conformance` finds only the cheapest cases in its folder ([`CASES`]); `--update-references` finds one that has a
-//!   reference, with one sample. The renderer of `--renderer` is nephrite: others need not be there, but the page's own command
-//!   must have the places that it has to have.
+//!   reference, with one sample. The renderer of `--renderer` is nephrite: others need not be there, but the page's own
+//!   command must have the places that it has to have.
 //! - Files of the reader's own are small ones of ours ([`own_files`]).
 //! - A command that ran for another page does not run again.
 //! - Commands of other programs do not run. They are listed ([`OTHERS`]), so that nobody adds one unseen.

@@ -1,8 +1,8 @@
 //! Homogeneous spheres in a uniform environment: the fraction of the light that comes back.
 //!
 //! Source: an independent Monte Carlo simulation with the standard errors given (and, for index 1 and isotropic
-//! scattering, a Nyström solution of Peierls' integral equation, accurate to about 1e-6). The mesh is a subdivided icosahedron
-//! with the radius that gives the ball's volume.
+//! scattering, a Nyström solution of Peierls' integral equation, accurate to about 1e-6). The mesh is a subdivided
+//! icosahedron with the radius that gives the ball's volume.
 
 use crate::lab::*;
 use glam::Vec3;

@@ -158,8 +158,9 @@ fn stack(layers: &[Layer], alpha: f64, cosine: f64, photons: u32) -> [(f64, f64)
     [0, 1].map(|i| (sum[i] / n, ((squares[i] / n - (sum[i] / n).powi(2)) / n).sqrt()))
 }
 
-/// van de Hulst 1980, table 35, by adding and doubling, as Wang, Jacques & Zheng 1995 quote it for MCML: a slab of index 1, two
-/// mean free paths, albedo 0.9 and g = 0.75. The simulation and the renderer both; five digits are printed.
+/// van de Hulst 1980, table 35, by adding and doubling, as Wang, Jacques & Zheng 1995 quote it for MCML: a slab of
+/// index 1, two mean free paths, albedo 0.9 and g = 0.75. The simulation and the renderer both; five digits are
+/// printed.
 #[test]
 fn van_de_hulsts_slab() {
     let expected = [0.09739, 0.66096];

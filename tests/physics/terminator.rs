@@ -27,9 +27,9 @@ fn sun(direction: Vec3) -> PunctualLight {
     }
 }
 
-/// On a sphere of 80 triangles under the sun each point is as bright as its shading normal says, from one end of the light
-/// to the other: the picture's mean to 1 %, and that of the last 15° before the terminator to 3 %: noise, and the few rays that meet a
-/// facet from just above the smooth surface.
+/// On a sphere of 80 triangles under the sun each point is as bright as its shading normal says, from one end of the
+/// light to the other: the picture's mean to 1 %, and that of the last 15° before the terminator to 3 %: noise, and the
+/// few rays that meet a facet from just above the smooth surface.
 #[test]
 fn light_falls_off_with_the_shading_normal() {
     for levels in [1, 2] {

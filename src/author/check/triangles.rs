@@ -178,8 +178,8 @@ fn edges([a, b, c]: &[DVec3; 3]) -> [DVec3; 3] {
     [b - a, c - b, a - c]
 }
 
-/// Where a triangle, whose corners have distances `d` from a plane, crosses the plane: the least and the greatest place along
-/// a direction.
+/// Where a triangle, whose corners have distances `d` from a plane, crosses the plane: the least and the greatest place
+/// along a direction.
 fn chord(triangle: &[DVec3; 3], d: [f64; 3], along: DVec3) -> [f64; 2] {
     let places = (0..3).flat_map(|i| {
         let j = (i + 1) % 3;

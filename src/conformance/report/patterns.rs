@@ -35,7 +35,8 @@ pub(super) fn suspects(outcomes: &[Outcome]) -> Vec<Suspect> {
 }
 
 /// Properties with how many of their cases did not pass; first those that tell failures from passes best, by the
-/// correlation φ of "has the property" with "fails". A property that many cases have counts for more than one of a single case.
+/// correlation φ of "has the property" with "fails". A property that many cases have counts for more than one of a
+/// single case.
 pub(super) fn properties(outcomes: &[Outcome]) -> Vec<Property> {
     let mut properties: Vec<Property> = Vec::new();
     for outcome in outcomes {
@@ -56,8 +57,8 @@ pub(super) fn properties(outcomes: &[Outcome]) -> Vec<Property> {
     properties
 }
 
-/// φ of "has the property" with "fails", from −1 to 1: how many fail and how many there are, with the property and in all. 0 where all
-/// cases or none have the property or fail, since then it tells nothing.
+/// φ of "has the property" with "fails", from −1 to 1: how many fail and how many there are, with the property and in
+/// all. 0 where all cases or none have the property or fail, since then it tells nothing.
 fn correlation([wrong, all]: [usize; 2], [failed, total]: [usize; 2]) -> f64 {
     let [wrong, all, failed, total] = [wrong, all, failed, total].map(|n| n as f64);
     let spread = all * (total - all) * failed * (total - failed);

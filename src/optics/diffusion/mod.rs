@@ -10,8 +10,8 @@
 //! | [`brdf`] | the limit of uniform light | Jensen et al. 2001, Hanrahan & Krueger 1993 |
 //! | [`single`] | one scattering event: along the view ray, and the exact radial profile | Jensen et al. 2001 |
 //!
-//! [`discrete_ordinates`] has the colour of a half space behind a boundary for any anisotropy, [`sphere`] how much light leaves a
-//! sphere from its middle.
+//! [`discrete_ordinates`] has the colour of a half space behind a boundary for any anisotropy, [`sphere`] how much
+//! light leaves a sphere from its middle.
 //!
 //! [`fresnel`], [`moments`] and [`phase`] are what they share, [`chandrasekhar`] and [`inversion`] relate
 //! single-scattering and surface albedo, [`profile`] turns any of the radial models into a table to sample from.

@@ -14,9 +14,10 @@
 //! T = e^{−τ} + α ∫₀^τ [e^{−r} + r u(r)] P(r) dr,   P = [e^{−a} − e^{−b} + b E₂(a) − a E₂(b)] / 4r.     (2)
 //! ```
 //!
-//! u is taken to be linear between nodes, which crowd where it is steep: with E₃″ = E₁ the integrals of (1) over the pieces are
-//! second differences of E₃(|r − t|) + |r − t| and E₃(r + t). For the source the rule of Gauss is used, in panels that
-//! crowd at the singular places. The error falls with the square of the step, so it is extrapolated to none (Richardson).
+//! u is taken to be linear between nodes, which crowd where it is steep: with E₃″ = E₁ the integrals of (1) over the
+//! pieces are second differences of E₃(|r − t|) + |r − t| and E₃(r + t). For the source the rule of Gauss is used, in
+//! panels that crowd at the singular places. The error falls with the square of the step, so it is extrapolated to none
+//! (Richardson).
 //!
 //! Some mean free paths from the middle and from the surface u is a multiple of sinh(κ(τ + z − r)): κ solves
 //! 1 = α artanh(κ)/κ, and z is about 0.7104/α. The light that reaches the surface is A/sinh(κ(τ + z)) times what depends on
@@ -66,8 +67,8 @@ impl Sphere {
         sphere
     }
 
-    /// T: the share of light that leaves a sphere of radius `tau` mean free paths (> 0) from an isotropic source in its middle.
-    /// The error is about 1e-3 of it.
+    /// T: the share of light that leaves a sphere of radius `tau` mean free paths (> 0) from an isotropic source in its
+    /// middle. The error is about 1e-3 of it.
     pub fn transmittance(&self, tau: f64) -> f64 {
         if self.albedo >= 1.0 {
             1.0
@@ -111,7 +112,8 @@ pub fn equivalent(albedo: f64, g: f64) -> (f64, f64) {
     (low / extinction, extinction)
 }
 
-/// κ, the rate of decay deep inside in units of the extinction, for Henyey and Greenstein's phase function: the least root of
+/// κ, the rate of decay deep inside in units of the extinction, for Henyey and Greenstein's phase function: the least
+/// root of
 ///
 /// ```text
 /// h₀ − κ²/(h₁ − 4κ²/(h₂ − 9κ²/(h₃ − …))) = 0,   h_l = (2l + 1)(1 − α g^l)
@@ -345,8 +347,8 @@ mod tests {
         }
     }
 
-    /// (3) against (2), beyond the radii that it goes through: twice the error that [`Sphere::transmittance`] states, since both
-    /// have it.
+    /// (3) against (2), beyond the radii that it goes through: twice the error that [`Sphere::transmittance`] states,
+    /// since both have it.
     #[test]
     fn large_spheres_go_on_as_smaller_ones() {
         for albedo in [0.8, 0.99, 0.9995] {

@@ -1,6 +1,6 @@
 //! Narasimhan, Gupta, Donner, Ramamoorthi, Nayar & Jensen, "Acquiring scattering properties of participating media by
-//! dilution" (SIGGRAPH 2006): 35 liquids and dissolved powders, at the concentrations of the paper's table. Red, green and blue as
-//! the authors measured them, taken for linear Rec. 709; the index is that of water.
+//! dilution" (SIGGRAPH 2006): 35 liquids and dissolved powders, at the concentrations of the paper's table. Red, green
+//! and blue as the authors measured them, taken for linear Rec. 709; the index is that of water.
 //!
 //! Where a channel has neither scattering nor g, the scattering was too weak to be measured.
 

@@ -1,5 +1,5 @@
-//! The example materials of OpenPBR with a subsurface (<https://github.com/AcademySoftwareFoundation/OpenPBR>, `examples/`, in
-//! its revision f8d6d94; Apache License 2.0). They are made by eye, some after measurements.
+//! The example materials of OpenPBR with a subsurface (<https://github.com/AcademySoftwareFoundation/OpenPBR>,
+//! `examples/`, in its revision f8d6d94; Apache License 2.0). They are made by eye, some after measurements.
 //!
 //! An example states an observed colour in ACEScg and a mean free path. The colour is converted to linear Rec. 709 and
 //! taken for the seen colour, which is how OpenPBR defines it ([`crate::optics::seen_color`]). The length has no unit there;
