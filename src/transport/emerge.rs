@@ -2,6 +2,7 @@
 //! boundary of the object where directions can be aimed.
 
 use super::direct::{Reached, Shaded};
+use super::interface::Interface;
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
@@ -183,8 +184,9 @@ impl Connector for FlightLights<'_, '_> {
         if hit.crowded || !tracer.bounds_medium(&surface) || incoming.dot(surface.geometric_normal) <= 0.0 {
             return;
         }
-        let interface = tracer.interface(&self.stack, &[surface], incoming);
-        let Some(contrast) = interface.contrast.filter(|c| !c.entering) else { return };
+        let mut interface = Interface::NONE;
+        tracer.find_interface(&mut interface, &self.stack, std::slice::from_ref(&surface), &incoming);
+        let Some(contrast) = interface.contrast.as_ref().filter(|c| !c.entering) else { return };
         let shading = Shading::new(tracer.scene, &surface);
         let bsdf = shading.bsdf(contrast.eta, true, tracer.options.microfacet);
         if !matches!(bsdf, Bsdf::Boundary(_)) {

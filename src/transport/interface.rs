@@ -25,6 +25,8 @@ use crate::subsurface::TOUCHING;
 use glam::Vec3;
 
 /// The boundaries of media in one place, crossed in one direction.
+///
+/// Filled in where it is: it is large, and moving it would cost more than finding it.
 #[derive(Clone, Debug)]
 pub(super) struct Interface {
     /// The objects on the side of arrival, where the path had lost count of them.
@@ -35,10 +37,17 @@ pub(super) struct Interface {
     pub contrast: Option<Contrast>,
 }
 
+impl Interface {
+    /// That of no boundary.
+    pub const NONE: Self = Self { corrected: None, crossing: Crossing::Nothing, contrast: None };
+}
+
 /// What crossing boundaries does to the stack of a path. Where there is one it is kept as what changes: stacks are
 /// large, and most paths that meet a boundary do not cross it at once.
 #[derive(Clone, Debug)]
 pub(super) enum Crossing {
+    /// There is no boundary.
+    Nothing,
     /// This object now winds so often about the path.
     One(Enclosure, i32),
     /// These are the objects on the other side.
@@ -50,6 +59,7 @@ impl Crossing {
     #[inline]
     pub fn apply(&self, stack: &mut MediumStack) {
         match self {
+            Self::Nothing => {}
             Self::One(enclosure, winding) => stack.set(*enclosure, *winding),
             Self::Several(beyond) => *stack = **beyond,
         }
@@ -72,30 +82,40 @@ pub(super) struct Contrast {
 }
 
 impl PathTracer<'_> {
-    /// What `boundaries`, all those of media in one place, are to a path with this stack that travels in `direction`.
-    // Inlined, as what it returns is large and is written in small pieces.
+    /// What `boundaries`, all those of media in one place, are to a path with this stack that travels in `direction`. The
+    /// interface is to be [`Interface::NONE`] before.
     #[inline(always)]
-    pub(super) fn interface(
+    pub(super) fn find_interface(
         &self,
+        interface: &mut Interface,
         stack: &MediumStack,
         boundaries: &[Surface],
-        direction: Vec3,
-    ) -> Interface {
-        if let [surface] = boundaries
-            && let Some(interface) = self.single(stack, surface, direction)
-        {
-            return interface;
+        direction: &Vec3,
+    ) {
+        let single = match boundaries {
+            [surface] => {
+                let entering = direction.dot(surface.geometric_normal) < 0.0;
+                self.single(interface, stack, surface, entering)
+            }
+            _ => false,
+        };
+        if !single {
+            *interface = self.several(stack, boundaries, *direction);
         }
-        self.several(stack, boundaries, direction)
     }
 
-    /// One boundary that the stack agrees with: mostly there is no more to ask.
+    /// One boundary that the stack agrees with: mostly there is no more to ask. False: it does not agree.
     #[inline(always)]
-    fn single(&self, stack: &MediumStack, surface: &Surface, direction: Vec3) -> Option<Interface> {
-        let enclosure = self.enclosure_of(surface)?;
-        let entering = direction.dot(surface.geometric_normal) < 0.0;
+    fn single(
+        &self,
+        interface: &mut Interface,
+        stack: &MediumStack,
+        surface: &Surface,
+        entering: bool,
+    ) -> bool {
+        let Some(enclosure) = self.enclosure_of(surface) else { return false };
         if stack.winding(enclosure.instance) != i32::from(!entering) {
-            return None;
+            return false;
         }
         let top = stack.current();
         let (fills, outside) = if entering {
@@ -103,16 +123,17 @@ impl PathTracer<'_> {
         } else {
             (top.filter(|top| top.instance == enclosure.instance), stack.below())
         };
-        let contrast = fills
-            .filter(|e| {
-                outside.is_none_or(|o| o.material != e.material || !self.scene.transmits_all(surface))
-            })
-            .map(|enclosure| {
-                let eta = self.ior_of(Some(enclosure)) / self.ior_of(outside);
-                Contrast { boundary: 0, enclosure, entering, outside, eta }
-            });
-        let crossing = Crossing::One(enclosure, i32::from(entering));
-        Some(Interface { corrected: None, crossing, contrast })
+        let goes_on = |e: Enclosure| {
+            outside.is_some_and(|o| o.material == e.material && self.scene.transmits_all(surface))
+        };
+        if let Some(enclosure) = fills
+            && !goes_on(enclosure)
+        {
+            let eta = self.ior_of(Some(enclosure)) / self.ior_of(outside);
+            interface.contrast = Some(Contrast { boundary: 0, enclosure, entering, outside, eta });
+        }
+        interface.crossing = Crossing::One(enclosure, i32::from(entering));
+        true
     }
 
     #[cold]

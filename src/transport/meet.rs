@@ -2,7 +2,7 @@
 //! scattering function.
 
 use super::direct::{Reached, Shaded};
-use super::interface::Interface;
+use super::interface::{Crossing, Interface};
 use super::path::PathTracer;
 use super::place::InPlace;
 use super::state::Path;
@@ -49,12 +49,14 @@ impl PathTracer<'_> {
     ) -> bool {
         let wo = -path.head.direction;
         let bounds_medium = self.bounds_medium(&surfaces[0]);
-        let interface = bounds_medium.then(|| self.interface(&path.stack, surfaces, path.head.direction));
-        if let Some(stack) = interface.as_ref().and_then(|i| i.corrected.as_deref()) {
+        let mut interface = Interface::NONE;
+        if bounds_medium {
+            self.find_interface(&mut interface, &path.stack, surfaces, &path.head.direction);
+        }
+        if let Some(stack) = interface.corrected.as_deref() {
             self.moved(path, |s| *s = *stack);
         }
-        let contrast = interface.as_ref().and_then(|i| i.contrast);
-        let mut surface = surfaces[contrast.map_or(0, |c| c.boundary)];
+        let mut surface = surfaces[interface.contrast.as_ref().map_or(0, |c| c.boundary)];
         surface.footprint = path.footprint.width;
         let material = self.scene.material(surface.material);
         let face = wo.dot(surface.geometric_normal) > 0.0;
@@ -66,7 +68,7 @@ impl PathTracer<'_> {
             if let Some(place) = &mut path.place {
                 place.open();
             }
-            return self.pass(&surface, interface.as_ref(), path);
+            return self.pass(&surface, &interface.crossing, path);
         }
         if material.unlit {
             path.direct_view = false;
@@ -80,9 +82,9 @@ impl PathTracer<'_> {
         let (mut eta, mut dispersed) = (1.0, 1.0);
         let (mut front, mut enclosure, mut drawn) = (face, None, None);
         let mut refracting = None;
-        if let Some(interface) = &interface {
+        if bounds_medium {
             let Some(contrast) = &interface.contrast else {
-                return self.pass(&surface, Some(interface), path);
+                return self.pass(&surface, &interface.crossing, path);
             };
             front = contrast.entering;
             if front != face {
@@ -91,7 +93,7 @@ impl PathTracer<'_> {
             }
             eta = contrast.eta;
             if (eta - 1.0).abs() < MATCHED_INDEX && self.scene.is_clear(&surface) {
-                return self.pass(&surface, Some(interface), path);
+                return self.pass(&surface, &interface.crossing, path);
             }
             enclosure = Some(contrast.enclosure);
             refracting = Some(eta).filter(|_| (eta - 1.0).abs() >= MATCHED_INDEX);
@@ -144,7 +146,7 @@ impl PathTracer<'_> {
             wo: Vec3::Z,
             front,
             enclosure,
-            crossing: interface.as_ref().map(|i| &i.crossing),
+            crossing: bounds_medium.then_some(&interface.crossing),
             place: place.as_deref(),
             dispersed,
             anchor: Shaded::NOWHERE,
@@ -159,9 +161,9 @@ impl PathTracer<'_> {
     }
 
     /// Goes straight on through what is not there, into what is beyond it.
-    fn pass(&self, surface: &Surface, interface: Option<&Interface>, path: &mut Path) -> bool {
-        if let Some(interface) = interface {
-            self.moved(path, |stack| interface.crossing.apply(stack));
+    fn pass(&self, surface: &Surface, crossing: &Crossing, path: &mut Path) -> bool {
+        if !matches!(crossing, Crossing::Nothing) {
+            self.moved(path, |stack| crossing.apply(stack));
         }
         path.pass(surface);
         true

@@ -247,7 +247,10 @@ impl PathTracer<'_> {
         sampler: &mut Sampler,
     ) -> bool {
         shaded.orient(-path.head.direction, normal, see_through);
-        shaded.above = self.above(&shaded);
+        // Written only where there is one: it is large, and mostly there is none.
+        if let Some(above) = self.above(&shaded) {
+            shaded.above = Some(above);
+        }
         let connected = !shaded.bsdf.is_delta();
         if connected {
             *radiance += path.head.throughput * self.direct(&shaded, &path.stack, sampler);

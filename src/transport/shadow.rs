@@ -7,6 +7,7 @@
 //! Alpha, boundaries between equal indices and media are passed; other boundaries bend light, so nothing gets through in a
 //! straight line. Where alpha lets light into a medium of another index, L/n² is what stays.
 
+use super::interface::Interface;
 use super::media::MediumStack;
 use super::path::PathTracer;
 use super::place::InPlace;
@@ -184,9 +185,10 @@ impl PathTracer<'_> {
         if !self.bounds_medium(&surfaces[0]) {
             return Vec3::splat(1.0 - coverage(&surfaces[0]));
         }
-        let interface = self.interface(stack, surfaces, direction);
+        let mut interface = Interface::NONE;
+        self.find_interface(&mut interface, stack, surfaces, &direction);
         interface.crossing.apply(stack);
-        let Some(contrast) = interface.contrast else { return Vec3::ONE };
+        let Some(contrast) = &interface.contrast else { return Vec3::ONE };
         let surface = &surfaces[contrast.boundary];
         let covered = coverage(surface);
         let matched = covered > 0.0 && (contrast.eta - 1.0).abs() < MATCHED_INDEX;
