@@ -173,6 +173,7 @@ fn compare(scene: &SceneDescription, spp: u32, what: &str) -> [Estimate; 2] {
     println!("{what}: {rays:.3} times the rays, mean {:.5?}, flat {:.5?}", smooth.mean, flat.mean);
     assert_eq!(stats.truncated_paths, 0, "{what}");
     assert_eq!(stats.invalid_samples, 0, "{what}");
+    assert_eq!((flat_stats.leaked_paths, stats.leaked_paths), (0, 0), "{what}: flat, smooth");
     assert!(rays < MOST_RAYS, "{what}: {rays} times the rays of flat shading");
     [flat, smooth]
 }
