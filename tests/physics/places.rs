@@ -394,8 +394,11 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
         render(&scene, &RenderOptions { max_depth, ..options(camera, 8, 64) }, &()).expect("renders")
     };
     let (one, two) = (seen(1), seen(2));
-    // 4 % are reflected at each face: 4096 samples, standard error 0.003.
-    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013 && one.stats.truncated_paths > 3500);
+    // 4 % are reflected at each face: 4096 samples, standard error 0.003. Of 3932 ± 12.5 the walks are cut off that follow
+    // the refraction, four of each.
+    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013);
+    let cut = one.stats.truncated_paths;
+    assert!((4 * 3882..=4 * 3982).contains(&cut) && two.stats.truncated_paths < cut, "{cut}");
     assert!((mean(&two.film.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
 }
 
