@@ -50,30 +50,6 @@ fn tumbler(sides: u32, smooth: bool) -> [MeshDescription; 2] {
     [revolved(&glass, sides, smooth), revolved(&drink, sides, smooth)]
 }
 
-fn flipped(mut mesh: MeshDescription) -> MeshDescription {
-    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    mesh.normals.iter_mut().for_each(|n| *n = -*n);
-    mesh
-}
-
-fn joined(mut a: MeshDescription, b: MeshDescription) -> MeshDescription {
-    let first = a.positions.len() as u32;
-    a.positions.extend(b.positions);
-    a.triangles.extend(b.triangles.iter().map(|t| t.map(|i| i + first)));
-    a.triangle_materials.extend(b.triangle_materials);
-    if a.normals.len() == first as usize && !b.normals.is_empty() {
-        a.normals.extend(b.normals);
-    } else {
-        a.normals.clear();
-    }
-    a
-}
-
-fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
-    mesh.positions.iter_mut().for_each(|p| *p += by);
-    mesh
-}
-
 fn material(rng: &mut SmallRng, index: u32) -> MaterialDescription {
     let ior = [1.0, 1.33, 1.5, 1.5, 2.0][(rng.f32() * 5.0) as usize];
     let roughness = [0.0, 0.0, 0.4, 0.7][(rng.f32() * 4.0) as usize];

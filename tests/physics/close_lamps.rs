@@ -91,16 +91,6 @@ fn aiming_does_not_change_the_light_of_a_lamp_at_any_gap() {
     }
 }
 
-fn matte() -> MaterialDescription {
-    MaterialDescription {
-        base_color: Vec4::new(0.5, 0.5, 0.5, 1.0),
-        metallic: 0.0,
-        roughness: 1.0,
-        specular: 0.0,
-        ..Default::default()
-    }
-}
-
 /// Under the edge of a panel a floor sees half a hemisphere of it, under a corner a quarter, under its middle all.
 #[test]
 fn a_floor_has_its_configuration_factor_at_every_gap() {
@@ -108,8 +98,8 @@ fn a_floor_has_its_configuration_factor_at_every_gap() {
         for gap in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
             let half = 0.3;
             let mut scene = SceneDescription::default();
-            add_panel(&mut scene, Vec3::ZERO, Vec3::Y, 1.0, matte());
-            let lamp = MaterialDescription { emission: Vec3::ONE, base_color: Vec4::ZERO, ..matte() };
+            add_panel(&mut scene, Vec3::ZERO, Vec3::Y, 1.0, matte(0.5));
+            let lamp = MaterialDescription { emission: Vec3::ONE, base_color: Vec4::ZERO, ..matte(0.5) };
             let (x, z) = Vec3::NEG_Y.any_orthonormal_pair();
             let center = Vec3::Y * gap - half * (at.x * x + at.z * z);
             add_panel(&mut scene, center, Vec3::NEG_Y, half, lamp);
