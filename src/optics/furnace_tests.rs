@@ -10,9 +10,10 @@ use std::f32::consts::FRAC_PI_2;
 
 /// How far the energy of a direction may be from what it should be.
 const ERROR: f32 = 0.01;
-/// Cells along each edge of the cube of random numbers, with one sample in each: some, and more where the energy seems to
-/// be off by more than half of [`ERROR`], which may be noise.
+/// Cells along each edge of the cube of random numbers, with one sample in each: as many as it takes for noise to be no
+/// excuse, [`NOISE`] standard errors of which count as an error, or the most.
 const CELLS: [u32; 3] = [9, 20, 40];
+const NOISE: f32 = 3.0;
 
 struct White {
     name: String,
@@ -50,20 +51,25 @@ impl Kept {
 /// The tangent of the brushed ones.
 const TURN: f32 = 0.7;
 
-/// Mean weight of the samples of one direction, étendue undone.
-fn energy(l: &Layered, wo: Vec3, eta: f32, cells: u32) -> Vec3 {
+/// Mean weight of the samples of one direction, étendue undone, and the largest standard error of a channel if the samples
+/// were independent. In their cells they are better than that.
+fn energy(l: &Layered, wo: Vec3, eta: f32, cells: u32) -> (Vec3, f32) {
     let scale = if wo.z > 0.0 { eta * eta } else { 1.0 / (eta * eta) };
     let mut rng = Rng::new(1);
-    let mut sum = glam::DVec3::ZERO;
+    let (mut sum, mut squares) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
     let samples = cells.pow(3);
     for k in 0..samples {
         let mut at = |k: u32| ((k % cells) as f32 + rng.next()) / cells as f32;
         let (a, u) = (at(k), Vec2::new(at(k / cells), at(k / cells / cells)));
         if let Some(s) = l.sample(wo, a, u) {
-            sum += (s.weight * if s.transmitted { scale } else { 1.0 }).as_dvec3();
+            let weight = (s.weight * if s.transmitted { scale } else { 1.0 }).as_dvec3();
+            sum += weight;
+            squares += weight * weight;
         }
     }
-    (sum / f64::from(samples)).as_vec3()
+    let n = f64::from(samples);
+    let (mean, square) = (sum / n, squares / n);
+    (mean.as_vec3(), ((square - mean * mean).max_element().max(0.0) / n).sqrt() as f32)
 }
 
 fn plain(metallic: f32, alpha: f32, transmission: f32) -> SurfaceParameters {
@@ -208,8 +214,9 @@ fn check(whites: Whites) {
                 let wo = direction(cos, TURN + FRAC_PI_2 * k as f32 / 3.0);
                 let mut e = Vec3::ZERO;
                 for cells in CELLS {
-                    e = energy(&w.surface, wo, w.eta, cells);
-                    if w.kept.off(e) < 0.5 * ERROR {
+                    let se;
+                    (e, se) = energy(&w.surface, wo, w.eta, cells);
+                    if w.kept.off(e) + NOISE * se < ERROR {
                         break;
                     }
                 }
