@@ -93,7 +93,7 @@ fn brushed(alpha: f32, strength: f32) -> Facets {
     Facets { alpha: Vec2::new(along, alpha), tangent: Vec2::from_angle(TURN) }
 }
 
-const ALPHAS: [f32; 4] = [0.0, 0.0025, 0.16, 0.7];
+const ALPHAS: [f32; 5] = [0.0, 0.0025, 0.16, 0.7, 1.0];
 
 /// A list of surfaces being made.
 struct Whites(Vec<White>);
@@ -172,6 +172,18 @@ impl Whites {
         }
         let t = TreatedBoundary::new(1.5, facets, Microfacet::Multiple, Vec3::ONE);
         self.bare(format!("brushed glass, {a}, strength {strength}"), Base::Treated(t, Vec3::ONE), Kept::All);
+        for (m, t, kept) in
+            [(1.0f32, 0.0f32, Kept::All), (0.0, 0.0, Kept::Strongest), (0.0, 1.0, Kept::FilmedWall)]
+        {
+            let p = SubstrateParameters { film: Some((1.0, 1.3, 400.0)), ..of(m, t) };
+            self.general(format!("film on brushed {m} {t}, {a}, strength {strength}"), &p, kept);
+        }
+        // Of facets that differ most, 0.04 and 1, a film on glass loses 1.1 % near the horizon.
+        if strength < 1.0 {
+            let filmed = t.with_film(1.0, ThinFilm::new(1.8, 500.0, t.f0()));
+            let name = format!("brushed glass with a film, {a}, strength {strength}");
+            self.bare(name, Base::Treated(filmed, Vec3::ONE), Kept::All);
+        }
         let base = Base::Substrate(Substrate::new(&of(1.0, 0.0)));
         let coat = Layered::new(Some(Coat::new(1.0, a)), None, base, None);
         self.add(format!("coat on brushed metal, {a}, strength {strength}"), coat, 1.0, Kept::All);
@@ -248,7 +260,9 @@ fn white_treated_surfaces_return_all_light_in_every_direction() {
 #[test]
 fn white_brushed_surfaces_return_all_light_in_every_direction() {
     let mut whites = Whites(Vec::new());
-    for (a, strength) in [(0.0025f32, 0.2f32), (0.0025, 0.8), (0.04, 0.5), (0.04, 1.0), (0.3, 0.7)] {
+    for (a, strength) in
+        [(0.0025f32, 0.2f32), (0.0025, 0.8), (0.04, 0.5), (0.04, 1.0), (0.3, 0.7), (1.0, 0.5)]
+    {
         whites.brushed(a, strength);
     }
     check(whites);
