@@ -281,10 +281,15 @@ impl Estimate {
 
     /// Asserts that two estimates are of one number: |z| < 4 in every channel, and standard errors below 2 %.
     pub fn assert_same(&self, other: &Self, what: &str) {
+        self.assert_same_within(0.02, other, what);
+    }
+
+    /// The same, with standard errors below `most` of the value.
+    pub fn assert_same_within(&self, most: f64, other: &Self, what: &str) {
         for c in 0..3 {
             let se = self.se[c].max(other.se[c]);
             assert!(
-                se <= 0.02 * other.mean[c],
+                se <= most * other.mean[c],
                 "{what} [{c}]: too noisy to tell: ± {se} of {}",
                 other.mean[c]
             );
