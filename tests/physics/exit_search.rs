@@ -77,11 +77,6 @@ fn integral(t: [Vec3; 3], levels: u32, f: &dyn Fn(Vec3) -> f64) -> f64 {
     sum * area / f64::from(n * n)
 }
 
-fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
-    mesh.positions.iter_mut().for_each(|p| *p += by);
-    mesh
-}
-
 #[test]
 fn the_density_is_that_of_the_lines() {
     density_is_that_of_the_lines(&scene_of(vec![icosphere(0.004, 3, false)]), 100, "sphere");

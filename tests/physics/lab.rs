@@ -70,6 +70,44 @@ pub fn icosphere(radius: f32, levels: u32, smooth: bool) -> MeshDescription {
     }
 }
 
+/// The same with its triangles wound the other way, and its normals turned.
+pub fn flipped(mut mesh: MeshDescription) -> MeshDescription {
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    mesh.normals.iter_mut().for_each(|n| *n = -*n);
+    mesh
+}
+
+/// The same elsewhere.
+pub fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
+    mesh.positions.iter_mut().for_each(|p| *p += by);
+    mesh
+}
+
+/// Two meshes as one, with normals if both have them.
+pub fn joined(mut a: MeshDescription, b: MeshDescription) -> MeshDescription {
+    let first = a.positions.len() as u32;
+    a.positions.extend(b.positions);
+    a.triangles.extend(b.triangles.iter().map(|t| t.map(|i| i + first)));
+    a.triangle_materials.extend(b.triangle_materials);
+    if a.normals.len() == first as usize && !b.normals.is_empty() {
+        a.normals.extend(b.normals);
+    } else {
+        a.normals.clear();
+    }
+    a
+}
+
+/// A material that only scatters diffusely, by as much in all channels.
+pub fn matte(albedo: f32) -> MaterialDescription {
+    MaterialDescription {
+        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
+        metallic: 0.0,
+        roughness: 1.0,
+        specular: 0.0,
+        ..Default::default()
+    }
+}
+
 /// A material that is nothing but the boundary of a medium.
 pub fn subsurface(sigma_a: Vec3, sigma_s: Vec3, g: f32, ior: f32, roughness: f32) -> MaterialDescription {
     MaterialDescription {
@@ -243,10 +281,15 @@ impl Estimate {
 
     /// Asserts that two estimates are of one number: |z| < 4 in every channel, and standard errors below 2 %.
     pub fn assert_same(&self, other: &Self, what: &str) {
+        self.assert_same_within(0.02, other, what);
+    }
+
+    /// The same, with standard errors below `most` of the value.
+    pub fn assert_same_within(&self, most: f64, other: &Self, what: &str) {
         for c in 0..3 {
             let se = self.se[c].max(other.se[c]);
             assert!(
-                se <= 0.02 * other.mean[c],
+                se <= most * other.mean[c],
                 "{what} [{c}]: too noisy to tell: ± {se} of {}",
                 other.mean[c]
             );

@@ -5,17 +5,7 @@ use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
 use std::f32::consts::PI;
 
-/// A plane at y = 0 facing up, without specular reflection.
-fn lambertian(albedo: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
-        metallic: 0.0,
-        roughness: 1.0,
-        specular: 0.0,
-        ..Default::default()
-    }
-}
-
+/// At y = 0, facing up.
 fn quad(half: f32) -> MeshDescription {
     MeshDescription {
         positions: vec![
@@ -31,7 +21,7 @@ fn quad(half: f32) -> MeshDescription {
 }
 
 fn ground() -> SceneDescription {
-    single(quad(50.0), lambertian(0.5), EnvironmentDescription::default())
+    single(quad(50.0), matte(0.5), EnvironmentDescription::default())
 }
 
 fn check(scene: SceneDescription, expected: f32, what: &str) {

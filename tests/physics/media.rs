@@ -3,7 +3,7 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::render;
+use nephrite::transport::{RenderOptions, render};
 
 const SIGMA_A: Vec3 = Vec3::new(5.0, 20.0, 40.0);
 const SIGMA_S: Vec3 = Vec3::new(200.0, 150.0, 80.0);
@@ -268,8 +268,7 @@ fn light_through_a_tinted_boundary_without_contrast_counts_once() {
 #[test]
 fn coverage_multiplies_emission() {
     let lamp = |alpha_mode, emission| {
-        let (mut mesh, _) = emitter(0.0, 0.5, 0.0);
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let mesh = flipped(emitter(0.0, 0.5, 0.0).0);
         let material = MaterialDescription {
             base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
             emission: Vec3::splat(emission),
@@ -279,6 +278,37 @@ fn coverage_multiplies_emission() {
         floor_below(mesh, material, 0.0)
     };
     lamp(AlphaMode::Blend, 2.0).assert_same(&lamp(AlphaMode::Opaque, 1.0), "blended emitter");
+}
+
+/// Light that crosses the boundary of a clear slab of two mean free paths twice and is scattered between at most N times: for
+/// N = 0 and 1 what integrals over depth and cosine say, and all of it once any number may be.
+#[test]
+fn depth_counts_scatterings() {
+    const TAU: f64 = 2.0;
+    // ½ ∫dμ ∫dt e^−t (e^−t/μ + e^−(τ−t)/μ), by depth in closed form.
+    let n = 100_000;
+    let once: f64 = (0..n)
+        .map(|i| {
+            let inverse = f64::from(n) / (f64::from(i) + 0.5);
+            let back = (1.0 - (-TAU * (1.0 + inverse)).exp()) / (1.0 + inverse);
+            back + ((-TAU).exp() - (-TAU * inverse).exp()) / (inverse - 1.0)
+        })
+        .sum::<f64>()
+        / f64::from(2 * n);
+    // Of an index that has refractions which turn nothing.
+    let material = subsurface(Vec3::ZERO, Vec3::ONE, 0.0, 1.0001, 0.0);
+    let slab = cuboid(Vec3::new(1000.0, TAU as f32, 1000.0));
+    let sky = EnvironmentDescription::Constant(Vec3::ONE);
+    let scene = Scene::build(single(slab, material, sky)).expect("builds");
+    let straight = (-TAU).exp();
+    for (max_depth, expected) in [(2, straight), (3, straight + once), (1000, 1.0)] {
+        let options = RenderOptions { max_depth, ..options(ortho(Vec3::NEG_Y, 5.0, 1.0), 24, 1024) };
+        let rendered = render(&scene, &options, &()).expect("renders");
+        let pixels: Vec<_> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+        let case = format!("{max_depth} events");
+        Estimate::of(&pixels).assert_matches([expected; 3], [1e-6; 3], &case);
+        assert_eq!(rendered.stats.truncated_paths > 0, expected < 1.0, "{case}: {:?}", rendered.stats);
+    }
 }
 
 #[test]

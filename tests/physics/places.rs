@@ -110,14 +110,10 @@ fn what_alpha_leaves_open_shows_the_sheet_below() {
 
 #[test]
 fn of_two_faces_of_opposite_winding_the_front_is_seen() {
-    let back = |mut mesh: MeshDescription| {
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        mesh
-    };
     for transform in transforms() {
         for (degrees, color) in [(0.0, RED), (60.0, RED), (180.0, GREEN), (110.0, GREEN)] {
             for swapped in [false, true] {
-                let mut stack = vec![(quad(1.0), unlit(RED, 1.0)), (back(quad(1.0)), unlit(GREEN, 1.0))];
+                let mut stack = vec![(quad(1.0), unlit(RED, 1.0)), (flipped(quad(1.0)), unlit(GREEN, 1.0))];
                 if swapped {
                     stack.reverse();
                 }
@@ -131,8 +127,7 @@ fn of_two_faces_of_opposite_winding_the_front_is_seen() {
 #[test]
 fn a_sheet_that_covers_a_part_leaves_the_rest() {
     // The label's edge runs through the middle of the picture.
-    let mut label = quad(0.5);
-    label.positions.iter_mut().for_each(|p| *p += Vec3::new(0.503, 0.0, 0.0));
+    let label = moved(quad(0.5), Vec3::X * 0.503);
     let stack = vec![(quad(1.0), unlit(RED, 1.0)), (label, unlit(GREEN, 1.0))];
     let seen = looks(scene_of(stack, Affine3A::IDENTITY), &Affine3A::IDENTITY, 0.0);
     let (left, right) = (seen[0], seen[7]);
@@ -153,11 +148,6 @@ pub fn slab(low: f32, high: f32) -> MeshDescription {
     mesh
 }
 
-fn flipped(mut mesh: MeshDescription) -> MeshDescription {
-    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    mesh
-}
-
 /// What is left of white light behind bodies, seen against +z of their own space.
 fn left_behind(parts: Vec<(MeshDescription, MaterialDescription)>, transform: Affine3A) -> Vec<f32> {
     let mut description = scene_of(parts, transform);
@@ -165,11 +155,11 @@ fn left_behind(parts: Vec<(MeshDescription, MaterialDescription)>, transform: Af
     looks(description, &transform, 0.0).iter().map(|p| p.x).collect()
 }
 
-/// Checks every pixel against exp(−depth); a thousandth is 16 roundings of a coordinate of 60, in the largest scene.
+/// Checks every pixel against exp(−depth). A hundred thousandth: between planes less than a size apart, and no farther than
+/// ten sizes from the origin, that is ten times what roundings of their coordinates come to.
 fn assert_depth(parts: Vec<(MeshDescription, MaterialDescription)>, depth: f32, what: &str) {
-    let similar = transforms().into_iter().filter(|t| t.matrix3.determinant() != 3.0 * 0.7 * 2.0);
-    for (i, transform) in similar.enumerate() {
-        // σ is per world metre.
+    for (i, transform) in transforms().into_iter().enumerate() {
+        // σ is per world metre, and light goes along the image of z, whatever the transform does to angles.
         let scale = transform.transform_vector3(Vec3::Z).length();
         let scaled = parts.iter().cloned().map(|(mesh, mut material)| {
             let medium = material.medium.as_mut().expect("a medium");
@@ -178,7 +168,7 @@ fn assert_depth(parts: Vec<(MeshDescription, MaterialDescription)>, depth: f32, 
         });
         let expected = (-depth).exp();
         for got in left_behind(scaled.collect(), transform) {
-            assert!((got / expected - 1.0).abs() < 1e-3, "{what}, transform {i}: {got} for {expected}");
+            assert!((got / expected - 1.0).abs() < 1e-5, "{what}, transform {i}: {got} for {expected}");
         }
     }
 }
@@ -204,13 +194,6 @@ fn equal_nested_and_flipped_bodies_fill_what_they_enclose() {
     assert_depth(vec![(slab(-0.5, 0.5), smoke(1.0)), (slab(0.25, 0.5), smoke(4.0))], 1.75, "flush");
     assert_depth(vec![(flipped(slab(-0.5, 0.5)), smoke(1.0))], 1.0, "flipped");
 
-    let joined = |mut a: MeshDescription, b: MeshDescription| {
-        let first = a.positions.len() as u32;
-        a.positions.extend(b.positions);
-        a.triangles.extend(b.triangles.iter().map(|t| t.map(|i| i + first)));
-        a.triangle_materials.extend(b.triangle_materials);
-        a
-    };
     let narrow = |mut mesh: MeshDescription| {
         mesh.positions.iter_mut().for_each(|p| (p.x, p.y) = (0.8 * p.x, 0.7 * p.y));
         mesh
@@ -277,9 +260,7 @@ fn scattering_pieces_look_like_the_whole() {
 fn a_label_on_a_medium_covers_it_and_its_holes_do_not() {
     let glass = || subsurface(Vec3::ZERO, Vec3::ZERO, 0.0, 1.5, 0.0);
     let on_top = |alpha: f32| {
-        let mut label = quad(0.3);
-        label.positions.iter_mut().for_each(|p| p.z = 0.0);
-        let stack = vec![(slab(-0.5, 0.0), glass()), (label, unlit(RED, alpha))];
+        let stack = vec![(slab(-0.5, 0.0), glass()), (quad(0.3), unlit(RED, alpha))];
         let mut scene = scene_of(stack, Affine3A::IDENTITY);
         scene.environment = EnvironmentDescription::Constant(Vec3::ONE);
         mean(&looks(scene, &Affine3A::IDENTITY, 20.0))
@@ -293,16 +274,11 @@ fn a_label_on_a_medium_covers_it_and_its_holes_do_not() {
 /// Irradiance over π on a white matte floor at z = 0 below a square lamp of half the size 0.5 at z = 1 that shines down
 /// with radiance 1, and what else there is.
 fn below_a_lamp(others: Vec<(MeshDescription, MaterialDescription)>, first: bool) -> Vec3 {
-    let up = |mesh: MeshDescription, z: f32| {
-        let mut mesh = flipped(mesh);
-        mesh.positions.iter_mut().for_each(|p| p.z = z);
-        mesh
-    };
     let white = MaterialDescription { base_color: Vec4::ONE, metallic: 0.0, specular: 0.0, ..unlit_off() };
     let lamp =
         MaterialDescription { base_color: Vec4::ZERO, emission: Vec3::ONE, specular: 0.0, ..unlit_off() };
     let mut parts = vec![(quad(0.05), white)];
-    let lamp = (up(quad(0.5), 1.0), lamp);
+    let lamp = (moved(flipped(quad(0.5)), Vec3::Z), lamp);
     if first {
         parts.push(lamp);
         parts.extend(others);
@@ -336,8 +312,6 @@ fn a_sheet_right_before_a_lamp_casts_a_shadow() {
     let open = below_a_lamp(Vec::new(), true).x;
     assert!((open / expected - 1.0).abs() < 0.01, "{open} for {expected}");
     let sheet = |z: f32, alpha: f32| {
-        let mut mesh = quad(0.6);
-        mesh.positions.iter_mut().for_each(|p| p.z = z);
         let alpha_mode = if alpha < 1.0 { AlphaMode::Blend } else { AlphaMode::Opaque };
         let black = MaterialDescription {
             base_color: Vec4::new(0.0, 0.0, 0.0, alpha),
@@ -346,7 +320,7 @@ fn a_sheet_right_before_a_lamp_casts_a_shadow() {
             double_sided: true,
             ..Default::default()
         };
-        (mesh, black)
+        (moved(quad(0.6), Vec3::Z * z), black)
     };
     for gap in [0.05, 1e-3, 1e-5, 2e-6] {
         for first in [true, false] {
@@ -369,10 +343,7 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     let mirror = MaterialDescription { base_color: Vec4::ONE, metallic: 1.0, roughness: 0.0, ..unlit_off() };
     let mut parts = vec![(quad(1.0), mirror)];
     for k in 1..6 {
-        let sheet = |mut mesh: MeshDescription| {
-            mesh.positions.iter_mut().for_each(|p| p.z = 0.1 * k as f32);
-            mesh
-        };
+        let sheet = |mesh| moved(mesh, Vec3::Z * (0.1 * k as f32));
         parts.push((sheet(quad(0.9)), unlit(GREEN, 0.0)));
         parts.push((sheet(quad(0.8)), unlit(RED, 0.0)));
     }
@@ -394,20 +365,20 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
         render(&scene, &RenderOptions { max_depth, ..options(camera, 8, 64) }, &()).expect("renders")
     };
     let (one, two) = (seen(1), seen(2));
-    // 4 % are reflected at each face: 4096 samples, standard error 0.003.
-    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013 && one.stats.truncated_paths > 3500);
+    // 4 % are reflected at each face: 4096 samples, standard error 0.003. Of 3932 ± 12.5 the walks are cut off that follow
+    // the refraction, four of each.
+    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013);
+    let cut = one.stats.truncated_paths;
+    assert!((4 * 3882..=4 * 3982).contains(&cut) && two.stats.truncated_paths < cut, "{cut}");
     assert!((mean(&two.film.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
 }
 
 #[test]
 fn a_body_on_a_floor_looks_as_if_it_stood_a_little_above() {
     let look = |gap: f32, floor_first: bool| {
-        let mut floor = quad(2.0);
-        floor.positions.iter_mut().for_each(|p| p.z = -0.5 - gap);
-        let floor = (
-            floor,
-            MaterialDescription { base_color: Vec4::new(0.8, 0.5, 0.2, 1.0), metallic: 0.0, ..unlit_off() },
-        );
+        let wood =
+            MaterialDescription { base_color: Vec4::new(0.8, 0.5, 0.2, 1.0), metallic: 0.0, ..unlit_off() };
+        let floor = (moved(quad(2.0), Vec3::NEG_Z * (0.5 + gap)), wood);
         let marble = subsurface(Vec3::new(0.1, 0.3, 0.6), Vec3::new(1.0, 1.5, 2.0), 0.2, 1.5, 0.0);
         let block = (slab(-0.5, 0.5), marble);
         let parts = if floor_first { vec![floor, block] } else { vec![block, floor] };

@@ -123,17 +123,17 @@ const SLABS: [Group; 10] = [
 /// Half width of the slab in the longest mean free path, so that nothing is lost at the sides.
 const HALF_WIDTH: f32 = 3000.0;
 
-fn scene(group: &Group, thickness: f32, roughness: f32) -> (Scene, f32) {
+fn scene(group: &Group, index: f32, thickness: f32) -> (Scene, f32) {
     let sigma_t = Vec3::from_array([0, 1, 2].map(|c| group.channels[c].tau)) / thickness;
     let albedo = Vec3::from_array([0, 1, 2].map(|c| group.channels[c].albedo));
     let half = HALF_WIDTH / sigma_t.min_element();
-    let material = subsurface(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, group.g, group.n, roughness);
+    let material = subsurface(sigma_t * (Vec3::ONE - albedo), sigma_t * albedo, group.g, index, 0.0);
     let mesh = cuboid(Vec3::new(2.0 * half, thickness, 2.0 * half));
     (Scene::build(single(mesh, material, sky_above(1.0))).expect("builds"), half)
 }
 
 fn check(group: &Group, thickness: f32, cosines: &[f32], what: &str) {
-    let (scene, half) = scene(group, thickness, 0.0);
+    let (scene, half) = scene(group, group.n, thickness);
     for &cosine in cosines {
         let sine = (1.0 - cosine * cosine).sqrt();
         let pick = |s: &Slab| if cosine == 1.0 { s.normal } else { s.oblique };
@@ -168,9 +168,11 @@ const ACCELERATED_ERROR: f64 = 0.0015;
 
 #[test]
 fn the_accelerated_walk_is_off_by_less_than_it_says() {
-    // Slabs of 400 mean free paths, to jump in: half spaces as far as light comes.
-    for group in &SLABS[7..] {
-        let (scene, half) = scene(group, 0.01, 0.0);
+    // Slabs of 400 mean free paths, to jump in: half spaces as far as light comes. Not the one of forward scattering, which
+    // absorbs too much for jumps (the middle of a ball has some).
+    for group in SLABS[7..].iter().filter(|group| group.g == 0.0) {
+        // At index 1 light is asked for at every event and nothing jumps; what 1.0001 reflects is below a 5000th.
+        let (scene, half) = scene(group, group.n.max(1.0001), 0.01);
         let camera = ortho(Vec3::NEG_Y, 0.02, 0.01 * half.min(0.01));
         let case = format!("accelerated, g {} n {}", group.g, group.n);
         let options = RenderOptions {

@@ -173,6 +173,7 @@ fn compare(scene: &SceneDescription, spp: u32, what: &str) -> [Estimate; 2] {
     println!("{what}: {rays:.3} times the rays, mean {:.5?}, flat {:.5?}", smooth.mean, flat.mean);
     assert_eq!(stats.truncated_paths, 0, "{what}");
     assert_eq!(stats.invalid_samples, 0, "{what}");
+    assert_eq!((flat_stats.leaked_paths, stats.leaked_paths), (0, 0), "{what}: flat, smooth");
     assert!(rays < MOST_RAYS, "{what}: {rays} times the rays of flat shading");
     [flat, smooth]
 }
@@ -184,8 +185,8 @@ fn clear_glass_loses_nothing() {
             let what = format!("{name}, ior {ior}");
             let [_, smooth] = compare(&single(mesh.clone(), clear(ior), white()), 32, &what);
             for mean in smooth.mean {
-                // Every sample is 1 but for rounding.
-                assert!((mean - 1.0).abs() < 1e-3, "{what}: {mean}");
+                // Every sample is 1 but for rounding, of a few crossings.
+                assert!((mean - 1.0).abs() < 1e-5, "{what}: {mean}");
             }
         }
     }
@@ -196,9 +197,13 @@ fn milky_glass_loses_nothing() {
     for (name, mesh) in bodies() {
         let material = subsurface(Vec3::ZERO, Vec3::new(18.0, 20.0, 22.0), 0.3, 1.5, 0.0);
         let [_, smooth] = compare(&single(mesh, material, white()), 64, name);
-        for mean in smooth.mean {
-            assert!((mean - 1.0).abs() < 1e-3, "{name}: {mean}");
+        for c in 0..3 {
+            let (off, se) = ((smooth.mean[c] - 1.0).abs(), smooth.se[c]);
+            assert!(off < 4.0 * se && se < 3e-4, "{name}: off by {off} ± {se}");
         }
+        // Weights only move light among the channels: what those have in common has a tenth of the noise.
+        let common = smooth.mean.iter().sum::<f64>() / 3.0;
+        assert!((common - 1.0).abs() < 1e-4, "{name}: {common}");
     }
 }
 
@@ -207,12 +212,10 @@ fn frosted_glass_loses_nothing() {
     for (name, mesh) in [("tumbler", tumbler()), ("cube", cuboid(Vec3::splat(0.05)))] {
         let material = subsurface(Vec3::ZERO, Vec3::ZERO, 0.0, 1.5, 0.1f32.sqrt());
         let [_, smooth] = compare(&single(mesh, material, white()), 64, &format!("frosted {name}"));
+        // Weights of the directions that facets let through are noise.
         for c in 0..3 {
-            assert!(
-                (smooth.mean[c] - 1.0).abs() < 4.0 * smooth.se[c].max(2.5e-4),
-                "{name}: {}",
-                smooth.mean[c]
-            );
+            let (off, se) = ((smooth.mean[c] - 1.0).abs(), smooth.se[c]);
+            assert!(off < 4.0 * se && se < 6e-4, "{name}: off by {off} ± {se}");
         }
     }
 }
@@ -229,7 +232,8 @@ fn a_drink_in_a_glass_loses_nothing() {
     scene.meshes.push(drink);
     scene.instances.push(place(1, Affine3A::IDENTITY));
     let [_, smooth] = compare(&scene, 32, "drink");
-    assert!((smooth.mean[1] - 1.0).abs() < 1e-3, "{}", smooth.mean[1]);
+    // Rounding, as in clear glass.
+    assert!((smooth.mean[1] - 1.0).abs() < 1e-5, "{}", smooth.mean[1]);
 }
 
 /// A coarse tumbler of tinted glass with smooth shading is as bright as a fine one that needs none.
@@ -241,8 +245,9 @@ fn tinted_tumblers_are_as_bright_as_fine_ones() {
     let (fine, _) = look(single(rounded_tumbler(512, 16), material, white()), 128);
     println!("fine {:.5?}", fine.mean);
     for c in 0..3 {
-        // The coarse mesh is thinner, by a per cent of what its glass absorbs, and its normals are wrong at the loops.
-        assert!((smooth.mean[c] / fine.mean[c] - 1.0).abs() < 0.01, "{} {}", smooth.mean[c], fine.mean[c]);
+        // The coarse mesh is thinner, by a per cent of the eighth that its glass absorbs, and its normals are wrong at the
+        // loops; the rest is four standard errors of 131072 samples whose values are between 0.5 and 1.
+        assert!((smooth.mean[c] / fine.mean[c] - 1.0).abs() < 0.004, "{} {}", smooth.mean[c], fine.mean[c]);
     }
 }
 

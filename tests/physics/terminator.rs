@@ -1,20 +1,10 @@
 //! Where the light ends on coarse bodies with smooth normals.
 
 use crate::lab::*;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 use nephrite::scene::*;
 
 const PIXELS: u32 = 48;
-
-fn matte(albedo: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
-        metallic: 0.0,
-        roughness: 1.0,
-        specular: 0.0,
-        ..Default::default()
-    }
-}
 
 fn sun(direction: Vec3) -> PunctualLight {
     PunctualLight {

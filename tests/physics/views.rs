@@ -2,7 +2,7 @@
 //! cameras, and textures that are small in the picture.
 
 use crate::lab::*;
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3};
 use nephrite::scene::*;
 use nephrite::transport::{RenderOptions, render};
 use std::f32::consts::PI;
@@ -19,15 +19,8 @@ fn square(half: f32) -> MeshDescription {
     }
 }
 
-fn matte(albedo: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
-        metallic: 0.0,
-        roughness: 1.0,
-        specular: 0.0,
-        double_sided: true,
-        ..Default::default()
-    }
+fn two_sided(material: MaterialDescription) -> MaterialDescription {
+    MaterialDescription { double_sided: true, ..material }
 }
 
 /// Part of the sky over a point that a square of half size `x` one metre above it takes away: four times the
@@ -40,7 +33,7 @@ fn hidden(x: f32) -> f32 {
 #[test]
 fn the_shadow_of_a_black_square_is_its_configuration_factor() {
     let sky = EnvironmentDescription::Constant(Vec3::new(0.7, 0.35, 1.4));
-    let mut description = single(square(0.5), matte(0.0), sky);
+    let mut description = single(square(0.5), two_sided(matte(0.0)), sky);
     description.instances[0] = place(0, Affine3A::from_translation(Vec3::Y));
     let scene = Scene::build(description).expect("builds");
     let camera = ortho(Vec3::new(1.0, -0.3, 0.0), 0.3, 1e-4);
@@ -64,7 +57,7 @@ fn the_shadow_of_a_black_square_is_its_configuration_factor() {
 #[test]
 fn nothing_in_the_way_leaves_the_background_as_it_is() {
     let sky = EnvironmentDescription::Constant(Vec3::splat(0.6));
-    let mut description = single(square(0.5), matte(0.0), sky);
+    let mut description = single(square(0.5), two_sided(matte(0.0)), sky);
     // Below the ground, so that it hides nothing; a sun and a lamp add no noise either.
     description.instances[0] = place(0, Affine3A::from_translation(Vec3::NEG_Y));
     description.lights.push(PunctualLight {
@@ -89,7 +82,7 @@ fn nothing_in_the_way_leaves_the_background_as_it_is() {
 fn alpha_is_coverage_and_colours_are_premultiplied() {
     // A square over the left half of the picture, in a furnace: radiance is that of the sky where it covers.
     let sky = EnvironmentDescription::Constant(Vec3::splat(0.8));
-    let mut description = single(square(1.0), matte(1.0), sky);
+    let mut description = single(square(1.0), two_sided(matte(1.0)), sky);
     description.instances[0] = place(0, Affine3A::from_translation(Vec3::NEG_X));
     let scene = Scene::build(description).expect("builds");
     let camera = CameraDescription {
@@ -138,7 +131,7 @@ fn orthographic_rays_start_inside_or_beside_an_object() {
 /// An unlit square of black and white texels, seen by 16² pixels that are `texels` texels wide.
 fn checkers(texels: u32, minify: Minify) -> SceneDescription {
     let n = 16 * texels;
-    let mut scene = single(square(1.0), matte(1.0), EnvironmentDescription::default());
+    let mut scene = single(square(1.0), two_sided(matte(1.0)), EnvironmentDescription::default());
     let values: Vec<Vec3> = (0..n * n).map(|i| Vec3::splat(((i % n + i / n) % 2) as f32)).collect();
     let texture = add_texture(&mut scene, n, &values);
     scene.textures[0].minify = minify;
