@@ -45,6 +45,7 @@ mod wide_bvh;
 pub use distance::DistanceBound;
 pub use mesh::MeshGeometry;
 pub use offset::{ROUNDING, gamma, offset_origin};
+pub use place::TOUCHING;
 pub use ray::{Aabb, MeshHit, NearestPoint, Ray};
 pub use scene::{GeometryError, Hit, SceneGeometry, SurfacePoint};
 pub use similarity::Similarity;

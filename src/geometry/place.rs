@@ -15,6 +15,7 @@
 //! transforms have moved them. The angle of the ray does not matter, and nor does the size of an axis-aligned floor: across
 //! its plane it has no roundings.
 
+use super::offset::{ROUNDING, offset_origin};
 use super::ray::Ray;
 use super::scene::{Hit, SceneGeometry, SurfacePoint};
 use glam::Vec3;
@@ -24,6 +25,10 @@ const TOLERANCE: f32 = 1.0 / (1_u32 << 21) as f32;
 /// Barycentric coordinates below this are those of an edge, up to the rounding of a ray that was moved, also where triangles
 /// are small for their coordinates.
 const EDGE: f32 = 1e-3;
+
+/// Errors of a point, as often as another surface in the same place may be away from it: a point's error is of two or three
+/// roundings, and what touches was moved by a transform of its own.
+pub const TOUCHING: f32 = 8.0;
 
 /// Cosine to the normal below which a ray's own distance is as good as one across the plane.
 const FLAT: f32 = 0.1;
@@ -77,6 +82,16 @@ impl SceneGeometry {
         };
         let cosine = normal.dot(direction);
         if cosine.abs() < FLAT { hit.t } else { (scale * way.dot(normal) / cosine).max(0.0) }
+    }
+
+    /// A point beside a surface, on the side that `towards` points to, where winding numbers of an instance can be asked for: off
+    /// what may be in one place with the surface, also where that has no error of its own, as a floor at height zero.
+    pub fn beside(&self, point: &SurfacePoint, towards: Vec3, instance: u32) -> Vec3 {
+        let bounds = self.mesh_of(instance).bounds();
+        let coordinates =
+            bounds.min.abs().max(bounds.max.abs()).max_element() * self.transform(instance).scale;
+        let error = TOUCHING * point.error + ROUNDING * coordinates;
+        offset_origin(point.position, error, point.geometric_normal, towards)
     }
 
     /// How far the plane of a triangle may be from where its file means it, at a point of it.

@@ -1,7 +1,7 @@
 //! A point on a surface with everything shading reads: frame, texture coordinates, vertex colour.
 
 use super::{Scene, description::TextureRef};
-use crate::geometry::Hit;
+use crate::geometry::{Hit, SurfacePoint};
 use glam::{Vec2, Vec3, Vec4};
 
 /// A point on a triangle, in world space. Normals point to the front of the triangle.
@@ -50,6 +50,12 @@ impl Surface {
             surface.normal = keep_side(normal, surface.geometric_normal);
         }
         surface
+    }
+
+    /// The point in space.
+    pub fn point(&self) -> SurfacePoint {
+        let &Self { position, error, geometric_normal, .. } = self;
+        SurfacePoint { position, error, geometric_normal }
     }
 
     /// Takes the back for the front.

@@ -50,7 +50,7 @@ pub use random_walk::RandomWalk;
 pub use single_scattering::SingleScattering;
 pub use textured::TexturedMedium;
 
-use crate::geometry::{Hit, offset_origin};
+use crate::geometry::Hit;
 use crate::light::LightSample;
 use crate::optics::diffusion::{Coefficients, Cosines, RadialProfile, ScaleFit};
 use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
@@ -58,10 +58,6 @@ use crate::sampling::Sampler;
 use crate::scene::{Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
-
-/// Errors of a point, as often as another surface in the same place may be away from it: a point's error is of two or three
-/// roundings, and what touches was moved by a transform of its own.
-pub(crate) const TOUCHING: f32 = 8.0;
 
 /// A flight below a surface: which object, which medium.
 pub struct Flight<'a> {
@@ -75,7 +71,7 @@ pub struct Flight<'a> {
     pub medium: &'a Medium,
     /// Index of the medium over that of what surrounds the object.
     pub eta: f32,
-    /// Scattering events the path may still have.
+    /// Scattering events the path may still have, and one more, which ends it: light is not looked for there.
     pub budget: u32,
     /// How events in the medium can be connected to lights.
     pub connection: Connection,
@@ -104,9 +100,8 @@ impl Flight<'_> {
             return true;
         }
         let geometry = &self.scene.geometry;
-        let normal = surface.geometric_normal;
-        let outside = offset_origin(surface.position, TOUCHING * surface.error, normal, normal);
         let holds = |instance: u32| {
+            let outside = geometry.beside(&surface.point(), surface.geometric_normal, instance);
             geometry.mesh_of(instance).contains(geometry.transform(instance).inverse_point(outside))
         };
         let hides = |other: u32| {

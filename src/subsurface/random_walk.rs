@@ -184,6 +184,8 @@ fn walk_steered<S: Steering>(
     let at_arrival = flight.connection == Connection::Boundary && !S::GUIDED;
     let at_events = flight.connection == Connection::Boundary && S::GUIDED;
     let mut aiming = Aiming::new(instance, (mesh, transform, distance), &intruders, radiance_scale);
+    // After the last event that counts, light could not come out any more.
+    let last = flight.budget.saturating_sub(1);
     // The last event, where it was connected to light.
     let mut event = Event { p, clear: 0.0, incoming: d, beta: Vec3A::ZERO };
 
@@ -225,7 +227,7 @@ fn walk_steered<S: Steering>(
                         let mut aimed = Aimed::default();
                         if at_events {
                             aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
-                        } else if at_arrival && head.events > first {
+                        } else if at_arrival && head.events > first && head.events < last {
                             let (event, way) =
                                 (Event { p, clear, incoming: before, beta }, (collisions, length));
                             aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
@@ -243,7 +245,7 @@ fn walk_steered<S: Steering>(
                 }
             }
             if let Some(hit) = intruder {
-                if at_arrival && head.events > first {
+                if at_arrival && head.events > first && head.events < last {
                     let clear = distance.bound(mesh, p);
                     let (event, way) = (Event { p, clear, incoming: before, beta }, (collisions, length));
                     aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
@@ -269,7 +271,7 @@ fn walk_steered<S: Steering>(
                 continue;
             }
             aiming.forget();
-            if clear >= enough {
+            if clear >= enough || head.events >= last {
                 continue;
             }
             clear = distance.bound(mesh, p);
@@ -350,7 +352,8 @@ fn walk_in_scene(
         }
         head.throughput = c.weigh(head.throughput.into(), 1, t).into();
         head.position += head.direction * t;
-        if !scatter(head, c.phase, sampler, straight.then_some(&mut *connector)) {
+        let connects = straight && head.events + 1 < flight.budget;
+        if !scatter(head, c.phase, sampler, connects.then_some(&mut *connector)) {
             return Arrival::Ended;
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());

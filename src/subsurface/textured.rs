@@ -160,7 +160,8 @@ pub(super) fn propagate(
         if sampler.rng().f32() < real {
             head.throughput *= sigma_s / (majorant * real);
             let incoming = head.direction;
-            if !scatter(head, medium.phase(), sampler, straight.then_some(&mut *connector)) {
+            let connects = straight && head.events + 1 < flight.budget;
+            if !scatter(head, medium.phase(), sampler, connects.then_some(&mut *connector)) {
                 return Arrival::Ended;
             }
             if let (Some(aiming), Some((distance, normal))) = (&mut aiming, boundary) {
@@ -174,7 +175,7 @@ pub(super) fn propagate(
                 };
                 aiming.phase_pdf = medium.phase().eval_directions(incoming, head.direction);
                 aiming.rate = aiming_rate(distance, sigma_a + sigma_s, head.throughput * radiance_scale);
-                if sampler.rng().f32() < aiming.rate {
+                if head.events + 1 < flight.budget && sampler.rng().f32() < aiming.rate {
                     aiming.shoot(flight, &mut textured, sampler, connector);
                 }
             }

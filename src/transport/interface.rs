@@ -19,9 +19,8 @@ use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::state::Path;
 use super::surroundings::set_winding;
-use crate::geometry::offset_origin;
+use crate::geometry::TOUCHING;
 use crate::scene::Surface;
-use crate::subsurface::TOUCHING;
 use glam::Vec3;
 
 /// The boundaries of media in one place, crossed in one direction.
@@ -173,7 +172,7 @@ impl PathTracer<'_> {
         if !self.scene.objects[instance as usize].closed {
             return if change < 0 { 1 } else { known };
         }
-        let point = offset_origin(surface.position, surface.error, surface.geometric_normal, -direction);
+        let point = geometry.beside(&surface.point(), -direction, instance);
         let transform = geometry.transform(instance);
         let found = geometry.mesh_of(instance).winding_number(transform.inverse_point(point));
         // What is left by a back was entered by a front, unless parts are wound both ways. Next to an edge the answer may be
@@ -241,12 +240,12 @@ impl PathTracer<'_> {
             return 1.0;
         }
         let before = self.ior_in(stack);
+        let point = exit.point();
         exit.error *= TOUCHING;
-        let normal = exit.geometric_normal;
-        let outside = offset_origin(exit.position, exit.error, normal, normal);
         for intruder in object.intruders.iter() {
             let other = &self.scene.objects[intruder.instance as usize];
             if other.has_medium && other.closed {
+                let outside = self.scene.geometry.beside(&point, point.geometric_normal, intruder.instance);
                 set_winding(self.scene, stack, intruder.instance, outside);
             }
         }

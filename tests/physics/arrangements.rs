@@ -148,7 +148,8 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
     let cases: u64 = std::env::var("ARRANGEMENTS").ok().and_then(|s| s.parse().ok()).unwrap_or(60);
     let first: u64 = std::env::var("FIRST_ARRANGEMENT").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
     let mut wrong = Vec::new();
-    for seed in first..first + cases {
+    // A longer run found more: a body with a face at coordinate zero, which has no rounding to step off it by.
+    for seed in (first..first + cases).chain([183]) {
         let description = arrangement(seed);
         // Smooth and without scattering: every sample is 1 but for rounding.
         let clear = description.materials.iter().all(|m| {

@@ -295,17 +295,20 @@ fn depth_counts_scatterings() {
         })
         .sum::<f64>()
         / f64::from(2 * n);
-    // Of an index that has refractions which turn nothing.
-    let material = subsurface(Vec3::ZERO, Vec3::ONE, 0.0, 1.0001, 0.0);
-    let slab = cuboid(Vec3::new(1000.0, TAU as f32, 1000.0));
-    let sky = EnvironmentDescription::Constant(Vec3::ONE);
-    let scene = Scene::build(single(slab, material, sky)).expect("builds");
+    // An index that has refractions which turn nothing, and one that has none.
     let straight = (-TAU).exp();
-    for (max_depth, expected) in [(2, straight), (3, straight + once), (1000, 1.0)] {
+    let all = [(1.0001, 2), (1.0, 0)].map(|(index, refractions)| {
+        [(0, straight), (1, straight + once), (1000, 1.0)].map(|(n, e)| (index, refractions + n, e))
+    });
+    for (index, max_depth, expected) in all.into_iter().flatten() {
+        let material = subsurface(Vec3::ZERO, Vec3::ONE, 0.0, index, 0.0);
+        let slab = cuboid(Vec3::new(1000.0, TAU as f32, 1000.0));
+        let sky = EnvironmentDescription::Constant(Vec3::ONE);
+        let scene = Scene::build(single(slab, material, sky)).expect("builds");
         let options = RenderOptions { max_depth, ..options(ortho(Vec3::NEG_Y, 5.0, 1.0), 24, 1024) };
         let rendered = render(&scene, &options, &()).expect("renders");
         let pixels: Vec<_> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
-        let case = format!("{max_depth} events");
+        let case = format!("index {index}, {max_depth} events");
         Estimate::of(&pixels).assert_matches([expected; 3], [1e-6; 3], &case);
         assert_eq!(rendered.stats.truncated_paths > 0, expected < 1.0, "{case}: {:?}", rendered.stats);
     }
