@@ -50,7 +50,7 @@ pub use random_walk::RandomWalk;
 pub use single_scattering::SingleScattering;
 pub use textured::TexturedMedium;
 
-use crate::geometry::Hit;
+use crate::geometry::{Aabb, Hit};
 use crate::light::LightSample;
 use crate::optics::diffusion::{Coefficients, Cosines, RadialProfile, ScaleFit};
 use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
@@ -111,6 +111,16 @@ impl Flight<'_> {
         let own = in_parts && holds(surface.instance);
         let foreign = || overlapped && intruders.iter().any(|i| hides(i.instance));
         !(own || foreign())
+    }
+
+    /// The box around the medium in world space; everything where the mesh is open. A walk that is beyond it has been let out
+    /// by rounding: an event right at the boundary may be on the other side of it.
+    pub fn bounds(&self) -> Aabb {
+        if !self.object.closed {
+            return Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        }
+        let (geometry, instance) = (&self.scene.geometry, self.enclosure.instance);
+        geometry.transform(instance).bounds(&geometry.mesh_of(instance).bounds())
     }
 
     /// Whether coefficients come from textures.

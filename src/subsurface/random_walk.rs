@@ -338,6 +338,7 @@ fn walk_in_scene(
     let thinning = thinning(flight.scene, flight.enclosure.instance, medium);
     let c = Coefficients::new(medium.sigma_a, medium.sigma_s, medium.g, thinning);
     let radiance_scale = medium.ior * medium.ior;
+    let bounds = flight.bounds();
     loop {
         let mean_free_path = c.draw_mean_free_path(head.throughput.into(), sampler.rng());
         let t = draw_flight(sampler.rng()) * mean_free_path;
@@ -352,6 +353,9 @@ fn walk_in_scene(
         }
         head.throughput = c.weigh(head.throughput.into(), 1, t).into();
         head.position += head.direction * t;
+        if !bounds.contains(head.position) {
+            return Arrival::Escaped;
+        }
         let connects = straight && head.events + 1 < flight.budget;
         if !scatter(head, c.phase, sampler, connects.then_some(&mut *connector)) {
             return Arrival::Ended;

@@ -128,6 +128,7 @@ pub(super) fn propagate(
     let mut aiming = (flight.connection == Connection::Boundary).then(Aiming::default);
     // The boundary is at least that far.
     let mut clear = 0.0;
+    let bounds = flight.bounds();
     loop {
         let t = if majorant > 0.0 { sampler.rng().exponential() / majorant } else { f32::INFINITY };
         if (t >= clear || !alone)
@@ -147,6 +148,9 @@ pub(super) fn propagate(
             return Arrival::Escaped;
         }
         head.position += head.direction * t;
+        if !bounds.contains(head.position) {
+            return Arrival::Escaped;
+        }
         let (sigma_a, sigma_s) = textured.coefficients(head.position);
         let boundary = textured.boundary();
         clear = boundary.map_or(0.0, |(distance, _)| distance);
