@@ -10,16 +10,17 @@ const RADIUS: f32 = 0.01;
 /// Of the medium, 1/m: three mean free paths from the middle to the boundary.
 const SIGMA_S: f32 = 300.0;
 
+// Flat: interpolated normals do not send light out as they let it in, and a coarse mesh of them shows it in per cents.
 fn ball(ior: f32, roughness: f32) -> SceneDescription {
     let material = subsurface(Vec3::ZERO, Vec3::splat(SIGMA_S), 0.0, ior, roughness);
-    single(icosphere(RADIUS, 3, true), material, EnvironmentDescription::default())
+    single(icosphere(RADIUS, 4, false), material, EnvironmentDescription::default())
 }
 
 /// A ball of another index around it.
 fn wrap(mut scene: SceneDescription, radius: f32, ior: f32, roughness: f32) -> SceneDescription {
     scene.materials.push(subsurface(Vec3::ZERO, Vec3::splat(0.5 * SIGMA_S), 0.3, ior, roughness));
     let material = scene.materials.len() as u32 - 1;
-    let mut mesh = icosphere(radius, 3, true);
+    let mut mesh = icosphere(radius, 4, false);
     mesh.triangle_materials.fill(material);
     scene.meshes.push(mesh);
     scene.instances.push(place(scene.meshes.len() - 1, Affine3A::IDENTITY));
@@ -92,11 +93,16 @@ const ANGULAR: f64 = 0.001;
 /// Asserts |z| < 4, with an error of 4 % at most: near a point light radiance grows with the square of nearness, so that
 /// pictures of it are noisy.
 fn check(found: &Estimate, expected: f64, what: &str) {
+    check_to(found, expected, 0.04, what);
+}
+
+/// Asserts |z| < 4, with that error at most.
+fn check_to(found: &Estimate, expected: f64, most: f64, what: &str) {
     for c in 0..3 {
         let se = found.se[c].hypot(ANGULAR);
         let z = (found.mean[c] - expected) / se;
         println!("{what} [{c}]: {:.4} ± {se:.4}, expected {expected:.4}, z {z:+.2}", found.mean[c]);
-        assert!(se < 0.04 && z.abs() < 4.0, "{what} [{c}]: {} ± {se} is not {expected}", found.mean[c]);
+        assert!(se < most && z.abs() < 4.0, "{what} [{c}]: {} ± {se} is not {expected}", found.mean[c]);
     }
 }
 
@@ -107,7 +113,7 @@ fn the_power_of_an_emitter_inside_leaves_whole() {
             let mut scene = ball(ior, roughness);
             add_globe(&mut scene, center, 0.001);
             let case = format!("globe at {center}, index {ior}, roughness {roughness}");
-            check(&power(scene, RADIUS, 16, &case), 1.0, &case);
+            check_to(&power(scene, RADIUS, 16, &case), 1.0, 0.02, &case);
         }
     }
 }
@@ -116,7 +122,7 @@ fn the_power_of_an_emitter_inside_leaves_whole() {
 fn the_power_of_an_emitter_in_nested_bodies_leaves_whole() {
     let mut scene = wrap(ball(1.3, 0.3), 2.0 * RADIUS, 1.6, 0.4);
     add_globe(&mut scene, Vec3::new(0.002, 0.0, 0.003), 0.001);
-    check(&power(scene, 2.0 * RADIUS, 16, "nested globe"), 1.0, "nested globe");
+    check_to(&power(scene, 2.0 * RADIUS, 16, "nested globe"), 1.0, 0.02, "nested globe");
 }
 
 /// A camera cannot see a point, so what comes from it in a straight line is lacking where nothing scatters it.
@@ -124,8 +130,8 @@ fn the_power_of_an_emitter_in_nested_bodies_leaves_whole() {
 fn the_power_of_a_point_light_inside_leaves_whole() {
     let through = (-f64::from(SIGMA_S * RADIUS)).exp();
     let everywhere = 4.0 * PI;
-    // The ball is a polyhedron, of a mean radius that is 0.3 % less.
-    let index_one = 1.0 - through * (1.0 + 0.003 * f64::from(SIGMA_S * RADIUS));
+    // The ball is a polyhedron, of a mean radius that is 0.08 % less.
+    let index_one = 1.0 - through * (1.0 + 0.0008 * f64::from(SIGMA_S * RADIUS));
     // Reflected by the boundary, straight light passes the middle again.
     let fresnel = 0.04;
     let smooth = 1.0 - (1.0 - fresnel) * through / (1.0 - fresnel * through * through);
@@ -143,7 +149,7 @@ fn the_power_of_a_point_light_in_nested_bodies_leaves_whole() {
         let mut scene = wrap(ball(inner, 0.4), 2.0 * RADIUS, outer, 0.4);
         scene.lights = vec![point(Vec3::new(0.0, 0.002, 0.001), PunctualKind::Point, 4.0 * PI)];
         let case = format!("point light, index {inner} in {outer}");
-        check(&power(scene, 2.0 * RADIUS, 24, &case), 1.0, &case);
+        check(&power(scene, 2.0 * RADIUS, 48, &case), 1.0, &case);
     }
 }
 
