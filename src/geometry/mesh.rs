@@ -91,6 +91,11 @@ impl MeshGeometry {
         self.triangles.len()
     }
 
+    /// The hierarchy of its triangles.
+    pub(super) fn bvh(&self) -> &WideBvh<TriangleBlock> {
+        &self.bvh
+    }
+
     /// Box around all triangles that can be hit.
     pub fn bounds(&self) -> Aabb {
         self.bvh.bounds

@@ -1,6 +1,6 @@
 //! Rotation, uniform scale and translation: the maps under which a walk through a medium looks the same.
 
-use super::offset::gamma;
+use super::offset::{ROUNDING, gamma};
 use super::ray::{Aabb, Ray};
 use glam::{Affine3A, DMat3, DVec3, Mat3, Vec3};
 
@@ -156,6 +156,22 @@ impl Similarity {
         let error =
             (1.0 + gamma(8)) * error + gamma(6) * there + gamma(8) * back + gamma(2) * self.translation.abs();
         (self.point(p), error)
+    }
+
+    /// Local box around a world one, with room for rounding.
+    pub fn inverse_bounds(&self, world: &Aabb) -> Aabb {
+        if world.is_empty() {
+            return Aabb::EMPTY;
+        }
+        let corner = |i: u32| {
+            let pick =
+                |bit: u32, axis: usize| if i >> bit & 1 == 0 { world.min[axis] } else { world.max[axis] };
+            self.inverse_point(Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+        };
+        let local = Aabb::from_points(&std::array::from_fn::<_, 8, _>(|i| corner(i as u32)));
+        let largest = world.min.abs().max(world.max.abs()).max(self.translation.abs()).max_element();
+        let room = self.inverse_length(ROUNDING * largest);
+        Aabb { min: local.min - room, max: local.max + room }
     }
 
     /// World box of a local one, with room for rounding.

@@ -2,6 +2,7 @@
 
 use super::description::*;
 use super::emission::SceneEmission;
+use super::mesh_facts::MeshFacts;
 use super::object::Object;
 use super::pyramid::Pyramid;
 use super::surface::Surface;
@@ -11,6 +12,7 @@ use crate::light::beacon::{Beacon, beacons};
 use crate::light::{EmissiveRadiance, EmissiveTriangle, Lights};
 use crate::optics::Medium;
 use glam::{Mat3, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Boundaries of a lower index hardly bend light.
@@ -58,6 +60,8 @@ pub struct Scene {
     pub has_dispersion: bool,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
     pub has_see_through: bool,
+    /// Of each mesh.
+    pub(super) facts: Vec<MeshFacts>,
     pub(super) normal_matrices: Vec<Mat3>,
     pub(super) mirrored: Vec<bool>,
     default_material: MaterialDescription,
@@ -78,9 +82,12 @@ impl Scene {
             .collect();
         let instances: Vec<_> = description.instances.iter().map(|i| (i.mesh, i.transform)).collect();
         let mut geometry = SceneGeometry::build(triangles_of(&description), &instances)?;
+        let mut placed = vec![None; description.meshes.len()];
+        for (instance, (mesh, _)) in (0..).zip(&instances) {
+            placed[*mesh].get_or_insert(instance);
+        }
         let analyse = |geometry: &SceneGeometry, mesh: &MeshDescription, index: usize| {
-            let instance = instances.iter().position(|i| i.0 == index)?;
-            Some(Topology::analyse_merged(geometry.mesh_of(instance as u32), &mesh.merged))
+            Some(Topology::analyse_merged(geometry.mesh_of(placed[index]?), &mesh.merged))
         };
         let meshes = description.meshes.iter().enumerate();
         let topology = |(i, mesh)| if holds_medium[i] { analyse(&geometry, mesh, i) } else { None };
@@ -115,6 +122,7 @@ impl Scene {
             default_material: MaterialDescription::default(),
             beacons: Vec::new(),
             pyramids: Self::pyramids_of(&description),
+            facts: description.meshes.par_iter().map(MeshFacts::new).collect(),
             description: Arc::new(description),
             geometry,
             media,

@@ -15,6 +15,7 @@ mod image;
 mod layering;
 pub mod layers;
 mod material;
+mod mesh_facts;
 mod object;
 mod pyramid;
 mod seams;

@@ -1,9 +1,11 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
-use super::{AlphaMode, MediumDescription, MeshDescription, PunctualKind, Scene, Surface};
-use crate::geometry::{Aabb, DistanceBound, MeshGeometry, NO_COMPONENT, ROUNDING, Topology};
+use super::mesh_facts::MeshFacts;
+use super::{AlphaMode, MediumDescription, PunctualKind, Scene, Surface};
+use crate::geometry::{Aabb, BoxTree, DistanceBound, NO_COMPONENT, ROUNDING, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Boundaries of a smaller GGX width count as nearly smooth: beyond them light is rather found by going on than sampled.
@@ -66,53 +68,38 @@ impl Scene {
             if !holds_medium[instance.mesh] {
                 continue;
             }
-            let mesh = &self.description.meshes[instance.mesh];
-            let materials =
-                mesh.triangle_materials.iter().filter_map(|&m| self.media.get(m as usize)?.as_ref());
-            let priority = materials.map(|m| m.priority).max().unwrap_or(0);
-            let volume = volume(mesh) * f64::from(Mat3::from(instance.transform.matrix3).determinant().abs());
+            let facts = &self.facts[instance.mesh];
+            let priority = facts.materials.iter().filter_map(|&m| self.medium(m)).map(|m| m.priority).max();
+            let priority = priority.unwrap_or(0);
+            let volume = facts.volume * f64::from(Mat3::from(instance.transform.matrix3).determinant().abs());
             order.push((priority, -volume, i as u32));
         }
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-        let mut bounds_of_mesh: Vec<(*const MeshGeometry, Arc<DistanceBound>)> = Vec::new();
+        let mut distances: HashMap<usize, Arc<DistanceBound>> = HashMap::new();
+        let instances = 0..self.description.instances.len() as u32;
+        let all = BoxTree::build(instances.map(|i| self.geometry.instance_bounds(i)).collect());
+        let placed = self.description.lights.iter().filter(|l| l.kind != PunctualKind::Directional);
+        let lights = placed.map(|l| Aabb { min: l.position, max: l.position });
+        let lamps = emitters.iter().map(|e| Aabb::from_points(&e.vertices));
+        let lights = BoxTree::build(lights.chain(lamps).collect());
         for (rank, &(_, _, instance)) in order.iter().enumerate() {
-            let bounds = self.instance_bounds(instance);
+            let bounds = self.geometry.instance_bounds(instance);
             let topology = self.topologies[self.description.instances[instance as usize].mesh].as_ref();
             let closed = topology.is_some_and(Topology::is_closed);
             let in_parts = closed
                 && topology.is_some_and(|t| {
                     t.components.len() > 1 || t.components.iter().any(|c| c.non_manifold_edges > 0)
                 });
-            let intruders = self.intruders(instance, &bounds);
+            let intruders = self.intruders(instance, &bounds, &all);
             let overlapped =
                 intruders.iter().any(|i| holds_medium[self.description.instances[i.instance as usize].mesh]);
-            let inside = |p: Vec3| bounds.min.cmple(p).all() && bounds.max.cmpge(p).all();
-            let lit_inside = emitters.iter().any(|e| {
-                let (min, max) =
-                    e.vertices.iter().fold((e.vertices[0], e.vertices[0]), |(a, b), &v| (a.min(v), b.max(v)));
-                min.cmple(bounds.max).all() && max.cmpge(bounds.min).all()
-            }) || self
-                .description
-                .lights
-                .iter()
-                .any(|l| l.kind != PunctualKind::Directional && inside(l.position));
-            let scatters = self
-                .mesh(instance)
-                .triangle_materials
-                .iter()
-                .any(|&m| self.medium(m).is_some_and(|m| m.sigma_s.max_element() > 0.0));
+            let media = self.facts_of(instance).materials.iter().filter_map(|&m| self.medium(m));
+            let scatters = media.into_iter().any(|m| m.sigma_s.max_element() > 0.0);
             let chord = self.mean_chord(instance);
             let distance = (closed && scatters).then(|| {
                 let mesh = self.geometry.mesh_of(instance);
-                let key = std::ptr::from_ref(mesh);
-                match bounds_of_mesh.iter().find(|(k, _)| *k == key) {
-                    Some((_, d)) => d.clone(),
-                    None => {
-                        let d = Arc::new(DistanceBound::new(mesh));
-                        bounds_of_mesh.push((key, d.clone()));
-                        d
-                    }
-                }
+                let distance = || Arc::new(DistanceBound::new(mesh));
+                distances.entry(self.geometry.geometry_index(instance)).or_insert_with(distance).clone()
             });
             self.objects[instance as usize] = Object {
                 has_medium: true,
@@ -123,7 +110,7 @@ impl Scene {
                 isolated: closed && intruders.is_empty(),
                 intruders: intruders.into(),
                 overlapped,
-                lit_inside,
+                lit_inside: lights.any(&bounds),
                 aimable: false,
                 returned: self.returned(instance, chord),
                 walks: self.walks(instance, chord),
@@ -139,14 +126,16 @@ impl Scene {
         topology.is_some_and(|t| t.component_of[surface.triangle as usize] == NO_COMPONENT)
     }
 
+    fn facts_of(&self, instance: u32) -> &MeshFacts {
+        &self.facts[self.description.instances[instance as usize].mesh]
+    }
+
     /// [`Object::returned`] of an instance.
     fn returned(&self, instance: u32, chord: f32) -> Option<f32> {
-        let mesh = self.mesh(instance);
-        let index = *mesh.triangle_materials.first()?;
+        let &[index] = &self.facts_of(instance).materials[..] else { return None };
         let textured =
             |m: &MediumDescription| m.absorption_texture.is_some() || m.scattering_texture.is_some();
-        let uniform = mesh.triangle_materials.iter().all(|&m| m == index)
-            && !self.material(index).medium.as_ref().is_some_and(textured);
+        let uniform = !self.material(index).medium.as_ref().is_some_and(textured);
         let medium = self.medium(index).filter(|_| uniform)?;
         let returned = medium.returned(chord).max(Vec3::splat(LEAST_RETURNED));
         Some(3.0 / returned.recip().element_sum()).filter(|r| r.is_finite())
@@ -154,26 +143,26 @@ impl Scene {
 
     /// [`Object::walks`] of an instance.
     fn walks(&self, instance: u32, chord: f32) -> u32 {
-        let media = self.mesh(instance).triangle_materials.iter().filter_map(|&m| self.medium(m));
+        let media = self.facts_of(instance).materials.iter().filter_map(|&m| self.medium(m));
         let longest = media.map(|m| m.events(chord)).fold(1.0, f32::max);
         ((REST_OF_A_SAMPLE / longest).sqrt() as u32).clamp(1, MOST_WALKS)
     }
 
     /// Four volumes over the area, m.
     fn mean_chord(&self, instance: u32) -> f32 {
-        let mesh = self.mesh(instance);
-        (4.0 * volume(mesh) / area(mesh)) as f32 * self.geometry.transform(instance).scale
+        let facts = self.facts_of(instance);
+        (4.0 * facts.volume / facts.area) as f32 * self.geometry.transform(instance).scale
     }
 
     /// Whether all triangles of an instance are opaque to straight lines: no alpha.
     pub(super) fn is_covered(&self, instance: u32) -> bool {
-        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        let mut materials = self.facts_of(instance).materials.iter().map(|&m| self.material(m));
         materials.all(|m| m.alpha_mode == AlphaMode::Opaque)
     }
 
     /// Whether all boundaries of media of an instance are those of plain dielectrics.
     pub(super) fn has_bare_boundary(&self, instance: u32) -> bool {
-        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        let mut materials = self.facts_of(instance).materials.iter().map(|&m| self.material(m));
         materials.all(|m| {
             let treated = m.specular != 1.0
                 || m.specular_color != Vec3::ONE
@@ -185,44 +174,23 @@ impl Scene {
 
     /// Whether all boundaries of media of an instance are rough.
     pub(super) fn boundary_is_rough(&self, instance: u32) -> bool {
-        let mut materials = self.mesh(instance).triangle_materials.iter().map(|&m| self.material(m));
+        let mut materials = self.facts_of(instance).materials.iter().map(|&m| self.material(m));
         materials.all(|m| m.medium.is_none() || m.roughness * m.roughness >= NEARLY_SMOOTH)
     }
 
-    fn instance_bounds(&self, instance: u32) -> Aabb {
-        let local = self.geometry.mesh_of(instance).bounds();
-        let transform = self.geometry.transform(instance);
-        let mut bounds = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
-        for i in 0..8 {
-            let pick = |bit, a: f32, b: f32| if i & bit == 0 { a } else { b };
-            let corner = Vec3::new(
-                pick(1, local.min.x, local.max.x),
-                pick(2, local.min.y, local.max.y),
-                pick(4, local.min.z, local.max.z),
-            );
-            let p = transform.point(corner);
-            bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
-        }
-        bounds
-    }
-
     /// The other instances of which a triangle reaches into `bounds`, or touches them up to rounding.
-    fn intruders(&self, instance: u32, bounds: &Aabb) -> Vec<Intruder> {
+    fn intruders(&self, instance: u32, bounds: &Aabb, all: &BoxTree) -> Vec<Intruder> {
         let bounds = &touched(bounds);
-        let others = (0..self.description.instances.len() as u32).filter(|&other| other != instance);
-        let near = others.filter(|&other| {
-            let b = self.instance_bounds(other);
-            b.min.cmple(bounds.max).all() && b.max.cmpge(bounds.min).all()
+        let mut others = Vec::new();
+        all.visit(bounds, |other| {
+            if other != instance {
+                others.push(other);
+            }
         });
-        near.filter_map(|other| {
-            let (mesh, transform) = (self.geometry.mesh_of(other), self.geometry.transform(other));
-            let boxes = (0..self.mesh(other).triangles.len() as u32)
-                .map(|t| Aabb::from_points(&mesh.triangle(t).map(|p| transform.point(p))))
-                .filter(|b| b.min.cmple(bounds.max).all() && b.max.cmpge(bounds.min).all());
-            let within = boxes.fold(Aabb::EMPTY, Aabb::union);
-            (!within.is_empty()).then(|| Intruder { instance: other, bounds: touched(&within) })
-        })
-        .collect()
+        others.sort_unstable();
+        let part = |other| Intruder { instance: other, bounds: self.geometry.part_within(other, bounds) };
+        let parts = others.into_iter().map(part).filter(|i| !i.bounds.is_empty());
+        parts.map(|i| Intruder { bounds: touched(&i.bounds), ..i }).collect()
     }
 }
 
@@ -230,19 +198,4 @@ impl Scene {
 fn touched(bounds: &Aabb) -> Aabb {
     let room = ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element();
     Aabb { min: bounds.min - room, max: bounds.max + room }
-}
-
-fn volume(mesh: &MeshDescription) -> f64 {
-    let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
-    let tetrahedron = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2])));
-    (mesh.triangles.iter().map(tetrahedron).sum::<f64>() / 6.0).abs()
-}
-
-fn area(mesh: &MeshDescription) -> f64 {
-    let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
-    let double = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(corner);
-        (b - a).cross(c - a).length()
-    };
-    mesh.triangles.iter().map(double).sum::<f64>() / 2.0
 }

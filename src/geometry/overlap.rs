@@ -1,0 +1,159 @@
+//! What reaches into a box: walks through the hierarchies that take every child which overlaps it.
+
+use super::lines::{self, Lined};
+use super::mesh::MeshGeometry;
+use super::ray::Aabb;
+use super::scene::SceneGeometry;
+use super::wide_bvh::{Block, LEAF, NONE, Node, WideBvh};
+
+/// Visits the leaves whose boxes overlap or touch `bounds`, in no order that means anything.
+pub(super) fn traverse_overlapping<B: Lined>(bvh: &WideBvh<B>, bounds: &Aabb, mut visit: impl FnMut(&B)) {
+    let mut stack = Vec::new();
+    if !bvh.lines.is_empty() {
+        stack.push(0_u32);
+    }
+    while let Some(at) = stack.pop() {
+        if at & LEAF != 0 {
+            visit(lines::get(&bvh.lines, at & !LEAF));
+            continue;
+        }
+        let node: &Node = lines::get(&bvh.lines, at);
+        let overlaps = |lane: usize| {
+            (0..3).all(|axis| {
+                node.planes[axis][lane] <= bounds.max[axis] && node.planes[axis + 3][lane] >= bounds.min[axis]
+            })
+        };
+        stack.extend((0..node.children.len()).filter(|&lane| overlaps(lane)).map(|lane| node.children[lane]));
+    }
+}
+
+/// Numbers of the boxes of a leaf.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Numbers {
+    block: Block,
+    _unused: [u32; 8],
+}
+
+// SAFETY: numbers alone, one line of them.
+unsafe impl Lined for Numbers {}
+
+/// Boxes that can be asked for what overlaps them.
+pub struct BoxTree {
+    boxes: Vec<Aabb>,
+    bvh: WideBvh<Numbers>,
+}
+
+impl BoxTree {
+    /// Builds over boxes; those that are empty or not finite overlap nothing. Deterministic.
+    pub fn build(boxes: Vec<Aabb>) -> Self {
+        let whole = |b: &Aabb| !b.is_empty() && b.min.is_finite() && b.max.is_finite();
+        let kept: Vec<u32> = (0..boxes.len() as u32).filter(|&i| whole(&boxes[i as usize])).collect();
+        let there: Vec<Aabb> = kept.iter().map(|&i| boxes[i as usize]).collect();
+        let leaf = |block: &Block| Numbers {
+            block: block.map(|i| if i == NONE { NONE } else { kept[i as usize] }),
+            _unused: [0; 8],
+        };
+        Self { bvh: WideBvh::build(&there, 4, |_| true, leaf), boxes }
+    }
+
+    /// Visits the number of every box that overlaps or touches `bounds`, once each, in no order that means anything.
+    pub fn visit(&self, bounds: &Aabb, mut visit: impl FnMut(u32)) {
+        traverse_overlapping(&self.bvh, bounds, |leaf| {
+            let numbers = leaf.block.into_iter().filter(|&i| i != NONE);
+            numbers.filter(|&i| self.boxes[i as usize].overlaps(bounds)).for_each(&mut visit);
+        });
+    }
+
+    /// Whether a box overlaps or touches `bounds`.
+    pub fn any(&self, bounds: &Aabb) -> bool {
+        let mut found = false;
+        self.visit(bounds, |_| found = true);
+        found
+    }
+}
+
+impl MeshGeometry {
+    /// Visits triangles that may overlap or touch a box in the space of the mesh, all that do and a few more.
+    pub fn visit_overlapping(&self, bounds: &Aabb, mut visit: impl FnMut(u32)) {
+        traverse_overlapping(self.bvh(), bounds, |block| {
+            block.ids.into_iter().filter(|&id| id != NONE).for_each(&mut visit);
+        });
+    }
+}
+
+impl SceneGeometry {
+    /// Box of an instance, world metres.
+    pub fn instance_bounds(&self, instance: u32) -> Aabb {
+        self.transform(instance).bounds(&self.mesh_of(instance).bounds())
+    }
+
+    /// The box around those triangles of an instance that overlap or touch a box, both in world space; empty where there is
+    /// none.
+    pub fn part_within(&self, instance: u32, bounds: &Aabb) -> Aabb {
+        let (mesh, transform) = (self.mesh_of(instance), self.transform(instance));
+        let mut within = Aabb::EMPTY;
+        mesh.visit_overlapping(&transform.inverse_bounds(bounds), |triangle| {
+            let there = Aabb::from_points(&mesh.triangle(triangle).map(|p| transform.point(p)));
+            if there.overlaps(bounds) {
+                within = within.union(there);
+            }
+        });
+        within
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::{Random, place, sphere};
+    use super::*;
+    use glam::{Affine3A, Quat, Vec3};
+
+    fn some_box(random: &mut Random, size: f32) -> Aabb {
+        let middle = 3.0 * random.cube();
+        let half = size * random.cube().abs();
+        Aabb { min: middle - half, max: middle + half }
+    }
+
+    #[test]
+    fn boxes_are_found_as_by_asking_each() {
+        let mut random = Random(5);
+        for count in [0, 1, 7, 500] {
+            let mut boxes: Vec<Aabb> = (0..count).map(|_| some_box(&mut random, 0.3)).collect();
+            boxes.extend([Aabb::EMPTY; 2]);
+            let tree = BoxTree::build(boxes.clone());
+            for _ in 0..100 {
+                let bounds = some_box(&mut random, 1.0);
+                let mut found = Vec::new();
+                tree.visit(&bounds, |i| found.push(i));
+                found.sort_unstable();
+                let overlapping = (0..boxes.len() as u32).filter(|&i| boxes[i as usize].overlaps(&bounds));
+                assert_eq!(found, overlapping.collect::<Vec<_>>());
+                assert_eq!(tree.any(&bounds), !found.is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn the_part_of_a_mesh_in_a_box_is_that_of_its_triangles() {
+        let mut random = Random(6);
+        let (positions, triangles) = place(sphere(3, 0.3, 7), 1.5, Vec3::ONE);
+        let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let world =
+            Affine3A::from_scale_rotation_translation(Vec3::splat(0.4), turn, Vec3::new(2.0, -1.0, 0.5));
+        let scene = SceneGeometry::build(vec![(positions, triangles)], &[(0, world)]).unwrap();
+        let (mesh, transform) = (scene.mesh_of(0), scene.transform(0));
+        let mut met = 0;
+        for _ in 0..300 {
+            let mut bounds = some_box(&mut random, 0.5);
+            bounds.min += scene.bounds().center();
+            bounds.max += scene.bounds().center();
+            let boxes = (0..mesh.triangle_count() as u32)
+                .map(|t| Aabb::from_points(&mesh.triangle(t).map(|p| transform.point(p))));
+            let expected = boxes.filter(|b| b.overlaps(&bounds)).fold(Aabb::EMPTY, Aabb::union);
+            assert_eq!(scene.part_within(0, &bounds), expected);
+            met += usize::from(!expected.is_empty());
+        }
+        assert!(met > 10);
+    }
+}
