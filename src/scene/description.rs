@@ -244,6 +244,31 @@ pub struct CameraDescription {
     pub transform: Affine3A,
     /// Lens.
     pub projection: Projection,
+    /// Between which depths it sees.
+    pub clip: Clip,
+}
+
+/// The planes, perpendicular to the view, between which a camera sees (`znear` and `zfar` of glTF), metres from the eye.
+///
+/// They bound what is seen straight, also through alpha and clear media without contrast; reflections, refractions and
+/// shadows know nothing of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clip {
+    /// Where camera rays start. Below 0, behind the eye, only for parallel rays.
+    pub near: f32,
+    /// Beyond it only the environment is seen; above `near`.
+    pub far: f32,
+}
+
+impl Clip {
+    /// All that is before the eye is seen.
+    pub const NONE: Self = Self { near: 0.0, far: f32::INFINITY };
+}
+
+impl Default for Clip {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// A camera's lens. The image's own aspect ratio sets the horizontal extent.
