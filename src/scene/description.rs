@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 pub use super::image::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
-use super::Layers;
+use super::{DerivedLimits, Layers};
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
@@ -35,6 +35,8 @@ pub struct SceneDescription {
     /// How far the ends of open edges of a mesh with a medium may be apart and yet be one, in metres: then they are put
     /// into one place. By default 1e-5 of the largest coordinate of the mesh; 0 for none.
     pub weld_tolerance: Option<f32>,
+    /// How much memory what is derived from it may take.
+    pub limits: DerivedLimits,
 }
 
 /// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as
