@@ -5,7 +5,7 @@ use std::path::Path;
 use base64::Engine;
 use nephrite::asset::{Asset, Limits, LoadOptions, Loaded, Moment};
 use nephrite::author::{AuthoredFile, Form, check, khronos, medium, openpbr, text::Tree};
-use nephrite::scene::{Scene, SceneDescription, auto_camera};
+use nephrite::scene::{DerivedLimits, Scene, SceneDescription, auto_camera};
 use nephrite::transport::{RenderOptions, render};
 use serde_json::{Value, json};
 
@@ -25,6 +25,12 @@ pub fn limits() -> Limits {
         triangles: 100_000,
         image_bytes: 4 << 20,
         pose_elements: 1_000_000,
+        derived: DerivedLimits {
+            pyramid_bytes: 8 << 20,
+            environment_bytes: 8 << 20,
+            hierarchy_bytes: 16 << 20,
+            light_bytes: 8 << 20,
+        },
     }
 }
 

@@ -6,7 +6,7 @@ use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
 use super::node::NodeContext;
-use crate::scene::{CameraDescription, Projection};
+use crate::scene::{CameraDescription, Clip, Projection};
 
 impl Loader<'_> {
     /// Places camera `index` at a node.
@@ -14,9 +14,9 @@ impl Loader<'_> {
         let json = self.entry("cameras", index, &format!("{}/camera", node.pointer))?;
         let kind = json.str("type")?.ok_or_else(|| json.error_at("type", "is missing"))?;
         let lens = |key: &str| json.object(key)?.ok_or_else(|| json.error_at(key, "is missing"));
-        let projection = match kind {
-            "perspective" => self.perspective(&lens(kind)?)?,
-            "orthographic" => self.orthographic(&lens(kind)?)?,
+        let (projection, clip) = match kind {
+            "perspective" => (self.perspective(&lens(kind)?)?, self.clip(&lens(kind)?, 0.0)?),
+            "orthographic" => (self.orthographic(&lens(kind)?)?, self.clip(&lens(kind)?, f64::MIN)?),
             _ => return Err(json.error_at("type", "is neither `perspective` nor `orthographic`")),
         };
         let Some(transform) = rigid(&node.world) else {
@@ -26,7 +26,7 @@ impl Loader<'_> {
         };
         let name = json.name_or(|| node.name.clone());
         self.exact.cameras.push((self.scene.cameras.len(), node.world.translation));
-        self.scene.cameras.push(CameraDescription { name, transform, projection });
+        self.scene.cameras.push(CameraDescription { name, transform, projection, clip });
         Ok(())
     }
 
@@ -43,7 +43,6 @@ impl Loader<'_> {
             }
             None => None,
         };
-        self.depths(lens, 0.0)?;
         Ok(Projection::Perspective { yfov: (yfov as f32).max(f32::MIN_POSITIVE), aspect })
     }
 
@@ -60,15 +59,22 @@ impl Loader<'_> {
         Ok(Projection::Orthographic { ymag: (ymag.abs() as f32).min(f32::MAX), aspect })
     }
 
-    /// The clipping planes are not used, but may tell of a mistake.
-    fn depths(&mut self, lens: &Json<'_>, least: f64) -> Result<(), AssetError> {
-        let (near, far) = (lens.f64("znear")?, lens.f64("zfar")?);
-        if let (Some(near), Some(far)) = (near, far)
-            && (far <= near || near < least)
-        {
-            self.invalid(&lens.pointer_to("zfar"), format!("{far} is not above znear ({near})"))?;
+    /// The planes between which a camera sees (§3.10.3). A near plane behind the eye is none of glTF; parallel rays start
+    /// there all the same, since exporters write it, others at the eye. Planes that leave nothing between them are ignored.
+    fn clip(&mut self, lens: &Json<'_>, least: f64) -> Result<Clip, AssetError> {
+        let near = lens.f64("znear")?.unwrap_or(0.0);
+        let far = lens.f64("zfar")?.unwrap_or(f64::INFINITY);
+        if near < 0.0 {
+            self.invalid(&lens.pointer_to("znear"), format!("{near} is below 0"))?;
         }
-        Ok(())
+        if far <= near {
+            let message = format!("{far} is not above znear ({near}); neither is used");
+            self.invalid(&lens.pointer_to("zfar"), message)?;
+            return Ok(Clip::NONE);
+        }
+        let clip = Clip { near: near.max(least) as f32, far: far as f32 };
+        // Both may be beyond what single precision tells apart.
+        Ok(if clip.near.is_finite() && clip.far > clip.near { clip } else { Clip::NONE })
     }
 }
 

@@ -172,10 +172,7 @@ impl AssetError {
             Self::RequiredExtension { .. } => {
                 Some("export the asset again without these extensions, or convert it".to_owned())
             }
-            Self::Limit { field, .. } => {
-                let option = field.replace('_', "-");
-                Some(format!("if the file is to be trusted, raise the limit (`--limit {option}=N`)"))
-            }
+            Self::Limit { field, .. } => Some(crate::scene::raise_limit(field)),
             Self::Strict(diagnostic) => diagnostic.advice.clone(),
             Self::Io { .. } | Self::Json { .. } => None,
         }

@@ -3,15 +3,27 @@
 use std::path::{Path, PathBuf};
 
 use super::error::AssetError;
+use super::spelling::{Twin, twin};
 
 /// Names of files that a message lists.
 const MOST_NAMED: usize = 8;
 
 /// The path itself, or, of a folder, the only `.gltf` or `.glb` file directly in it. Where a folder has the same model
-/// as both, the `.glb` is taken: it is complete in itself.
+/// as both, the `.glb` is taken: it is complete in itself. A path that is not there may be there with its letters composed
+/// otherwise.
 pub(crate) fn document_in(path: &Path) -> Result<PathBuf, AssetError> {
     if !path.is_dir() {
-        return Ok(path.to_owned());
+        if path.symlink_metadata().is_ok() {
+            return Ok(path.to_owned());
+        }
+        return match twin(Path::new(""), path) {
+            Some(Twin::Composition(there)) => document_in(&there),
+            Some(Twin::Case(there)) => Err(AssetError::Container {
+                message: format!("{}: there is no such file", path.display()),
+                advice: Some(format!("{} is there, which differs in case", there.display())),
+            }),
+            None => Ok(path.to_owned()),
+        };
     }
     let io = |source| AssetError::Io { pointer: String::new(), path: path.to_owned(), source };
     let mut found = Vec::new();

@@ -1,5 +1,7 @@
 //! How much a file may ask for.
 
+use crate::scene::DerivedLimits;
+
 /// How much a file may ask for, so that a small hostile file cannot take the whole machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -19,6 +21,8 @@ pub struct Limits {
     pub image_bytes: u64,
     /// Elements of morph targets, joint influences and keyframes that are read, together.
     pub pose_elements: u64,
+    /// Bytes of what is derived from all that, to be rendered.
+    pub derived: DerivedLimits,
 }
 
 impl Default for Limits {
@@ -32,13 +36,15 @@ impl Default for Limits {
             triangles: 50_000_000,
             image_bytes: 1 << 30,
             pose_elements: 1_000_000_000,
+            derived: DerivedLimits::default(),
         }
     }
 }
 
 impl Limits {
-    /// Names of the limits as [`AssetError::Limit`](super::AssetError::Limit) has them, with hyphens.
-    pub const NAMES: [&str; 8] = [
+    /// Names of the limits as [`AssetError::Limit`](super::AssetError::Limit) and
+    /// [`SceneError::Limit`](crate::scene::SceneError::Limit) have them, with hyphens.
+    pub const NAMES: [&str; 12] = [
         "file-bytes",
         "json-values",
         "nodes",
@@ -47,6 +53,10 @@ impl Limits {
         "triangles",
         "image-bytes",
         "pose-elements",
+        "pyramid-bytes",
+        "environment-bytes",
+        "hierarchy-bytes",
+        "light-bytes",
     ];
 
     /// Sets the limit of that name; false if there is none.
@@ -60,6 +70,10 @@ impl Limits {
             "triangles" => &mut self.triangles,
             "image-bytes" => &mut self.image_bytes,
             "pose-elements" => &mut self.pose_elements,
+            "pyramid-bytes" => &mut self.derived.pyramid_bytes,
+            "environment-bytes" => &mut self.derived.environment_bytes,
+            "hierarchy-bytes" => &mut self.derived.hierarchy_bytes,
+            "light-bytes" => &mut self.derived.light_bytes,
             _ => return false,
         };
         *limit = value;

@@ -37,6 +37,8 @@ pub struct Loader<'a> {
     pub(crate) cache: Cache,
     pub(crate) textures: HashMap<usize, Option<usize>>,
     pub(crate) images: HashMap<ImageSource, usize>,
+    /// The first image in use of each buffer view and URI.
+    pub(crate) image_files: HashMap<(Option<usize>, Option<&'a str>), usize>,
     pub(crate) image_sources: Vec<ImageSource>,
     /// So many of the scene's images have been decoded, or found not to be usable.
     pub(crate) decoded_images: usize,
@@ -83,6 +85,7 @@ impl<'a> Loader<'a> {
             cache: Cache::default(),
             textures: HashMap::new(),
             images: HashMap::new(),
+            image_files: HashMap::new(),
             image_sources: Vec::new(),
             decoded_images: 0,
             usable_images: HashSet::new(),

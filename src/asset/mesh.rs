@@ -78,8 +78,8 @@ impl Loader<'_> {
             let materials = &self.scene.materials;
             primitives.par_iter_mut().for_each(|primitive| {
                 let material = materials.get(primitive.material as usize);
-                match material.and_then(MaterialDescription::tangent_uv_set) {
-                    Some(uv_set) => tangent::complete(primitive, uv_set),
+                match material.and_then(MaterialDescription::tangent_uvs) {
+                    Some((uv_set, transform)) => tangent::complete(primitive, uv_set, transform),
                     None => primitive.tangents.clear(),
                 }
             });

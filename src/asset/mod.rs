@@ -43,6 +43,7 @@ mod pose;
 mod primitive;
 mod rebase;
 mod skin;
+mod spelling;
 mod summary;
 mod tangent;
 mod texture;

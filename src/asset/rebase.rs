@@ -53,6 +53,7 @@ impl Loader<'_> {
         self.cache.origin = Some(origin);
         self.scene.origin = origin;
         self.scene.weld_tolerance = self.options.weld_tolerance;
+        self.scene.limits = self.options.limits.derived;
         if origin == DVec3::ZERO {
             return;
         }

@@ -6,6 +6,10 @@
 //! MikkTSpace has v grow upwards, glTF downwards. The bitangent of glTF points up in the picture, as the green of
 //! normal maps does, so its sign is the opposite of MikkTSpace's.
 //!
+//! Texture coordinates are those at which the map is read: where KHR_texture_transform turns or mirrors the picture, the
+//! vectors in it turn with it. Tangents that a file gives are left alone: they are the space that the map is in, whatever
+//! its coordinates.
+//!
 //! Nearly all vertices of a mesh are in the middle, or at an open end, of one fan of triangles; what MikkTSpace gives to
 //! those is a closed form ([`super::fans`]). The others, at mirrored textures and where surfaces touch, are left to the
 //! library, with the triangles around them: what a corner gets depends on the triangles at its place alone. Only triangles
@@ -14,10 +18,11 @@
 //! The library compares all different corners at one place with each other. A mesh that crowds so many there that this
 //! would take more than some seconds gets plain averages of its triangles' tangents instead (Lengyel 2001).
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Mat2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::fans::Fans;
@@ -63,9 +68,9 @@ impl Geometry for Corners<'_> {
     }
 }
 
-/// Makes sure that a primitive with a normal map on texture coordinate set `uv_set` has tangents, and normals for them
-/// to be perpendicular to.
-pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize) {
+/// Makes sure that a primitive with a normal map on texture coordinate set `uv_set`, which it reads through `transform`, has
+/// tangents, and normals for them to be perpendicular to.
+pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize, transform: Mat2) {
     if primitive.normals.is_empty() {
         primitive.tangents.clear();
         flatten(primitive);
@@ -74,6 +79,7 @@ pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize) {
         return;
     }
     let Some(uvs) = primitive.uvs.get(uv_set) else { return split(primitive, |_, _| None) };
+    let uvs = &turned(uvs, transform);
     let (fans, hard) = match Fans::new(primitive, uvs) {
         Some(fans) => {
             let hard = fans.others(primitive);
@@ -93,6 +99,17 @@ pub(crate) fn complete(primitive: &mut Primitive, uv_set: usize) {
             corners[3 * place + corner % 3]
         }
     });
+}
+
+/// Texture coordinates as the picture on the surface has them. Lengths do not matter, so what only scales, or leaves no
+/// picture, changes nothing.
+fn turned(uvs: &[Vec2], transform: Mat2) -> Cow<'_, [Vec2]> {
+    let [u, v] = [transform.x_axis, transform.y_axis];
+    let only_scales = u.y == 0.0 && v.x == 0.0 && u.x > 0.0 && v.y > 0.0;
+    if only_scales || transform.determinant() == 0.0 || !transform.is_finite() {
+        return Cow::Borrowed(uvs);
+    }
+    Cow::Owned(uvs.par_iter().map(|&uv| transform * uv).collect())
 }
 
 /// The tangents that the library gives to the corners of those triangles.
@@ -226,7 +243,7 @@ mod tests {
                 let tangent = tangent.expect("a tangent");
                 assert!((tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
             }
-            complete(&mut primitive, 0);
+            complete(&mut primitive, 0, Mat2::IDENTITY);
             assert_eq!(primitive.tangents.len(), primitive.positions.len());
             for tangent in &primitive.tangents {
                 assert!((*tangent - expected).length() < 1e-5, "{tangent} is not {expected}");
@@ -247,7 +264,7 @@ mod tests {
         };
         let averaged = averages(&square, &square.uvs[0], &[0, 1]);
         let library = mikktspace(&square, &square.uvs[0], &[0, 1]);
-        complete(&mut square, 0);
+        complete(&mut square, 0, Mat2::IDENTITY);
         for tangent in averaged.into_iter().chain(library).flatten().chain(square.tangents) {
             let up = Vec3::Z.cross(tangent.truncate()) * tangent.w;
             assert!(
@@ -271,7 +288,7 @@ mod tests {
     fn no_texture_coordinates_still_give_unit_tangents() {
         let mut primitive = fan(Vec2::X, false);
         primitive.uvs.clear();
-        complete(&mut primitive, 3);
+        complete(&mut primitive, 3, Mat2::IDENTITY);
         for (tangent, normal) in primitive.tangents.iter().zip(&primitive.normals) {
             assert!(tangent.truncate().is_normalized() && tangent.truncate().dot(*normal).abs() < 1e-6);
         }
@@ -359,7 +376,7 @@ mod tests {
         let all: Vec<u32> = (0..p.triangles.len() as u32).collect();
         let whole = mikktspace(&p, &p.uvs[0], &all);
         let before = p.triangles.clone();
-        complete(&mut p, 0);
+        complete(&mut p, 0, Mat2::IDENTITY);
         for (corner, &vertex) in p.triangles.iter().flatten().enumerate() {
             assert_eq!(
                 Some(p.tangents[vertex as usize]),

@@ -161,6 +161,16 @@ impl Loader<'_> {
         }
         let index = source.image;
         let json = self.entry("images", index, from)?;
+        // Entries that name the same bytes are one image.
+        let bytes = (json.usize("bufferView").ok().flatten(), json.str("uri").ok().flatten());
+        if bytes != (None, None) {
+            let first = *self.image_files.entry(bytes).or_insert(index);
+            let twin = ImageSource { image: first, ..source };
+            if let Some(&slot) = self.images.get(&twin) {
+                self.images.insert(source, slot);
+                return Ok(slot);
+            }
+        }
         let name = json.name_or(|| match json.str("uri") {
             Ok(Some(uri)) if uri.len() <= 256 && !uri.starts_with("data:") => uri.to_owned(),
             _ => format!("image {index}"),

@@ -13,7 +13,8 @@ use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
-use super::error::AssetError;
+use super::error::{AssetError, shorten};
+use super::spelling::{self, Twin};
 
 /// Base64 as found in the wild: with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -67,7 +68,7 @@ pub(crate) fn data(pointer: &str, uri: &str) -> Option<Result<Payload, AssetErro
 /// Reads the file a URI names.
 ///
 /// The percent-decoded path is tried first; then, since exporters get this wrong, the path as written, without a
-/// query or fragment, and with backslashes as separators.
+/// query or fragment, and with backslashes as separators; then names whose letters are composed otherwise.
 pub(crate) fn file(
     base: &Path,
     pointer: &str,
@@ -93,6 +94,7 @@ pub(crate) fn file(
         (decoded.replace('\\', "/"), Some("the URI separates folders with backslashes")),
     ];
     let mut missing = None;
+    let mut twins = Vec::new();
     let mut tried: Vec<&str> = Vec::new();
     for (path, oddity) in &candidates {
         if path.is_empty() || tried.contains(&path.as_str()) {
@@ -107,26 +109,44 @@ pub(crate) fn file(
         match read(base, &path, allow_outside, limit) {
             Ok(bytes) => return Ok(Payload { bytes, oddity: oddity.map(str::to_owned) }),
             Err(ReadError::Missing(source)) => {
+                twins.extend(spelling::twin(base, &path));
                 missing.get_or_insert((path, source));
             }
-            Err(ReadError::Other(source)) => {
-                return Err(AssetError::Io { pointer: pointer.to_owned(), path, source });
-            }
-            Err(ReadError::Refused(why)) => return Err(refuse(pointer, uri, why)),
-            Err(ReadError::TooLarge(needed)) => {
-                return Err(AssetError::Limit {
-                    pointer: pointer.to_owned(),
-                    what: "the file, in bytes,".to_owned(),
-                    needed,
-                    limit,
-                    field: "file_bytes",
-                });
-            }
+            Err(e) => return Err(unreadable(pointer, uri, path, e, limit)),
         }
     }
-    match missing {
-        Some((path, source)) => Err(AssetError::Io { pointer: pointer.to_owned(), path, source }),
-        None => Err(refuse(pointer, uri, "the URI names no file")),
+    let Some((path, source)) = missing else { return Err(refuse(pointer, uri, "the URI names no file")) };
+    // Of the ways to read the URI, one that differs in composition alone is the best.
+    twins.sort_by_key(|twin| matches!(twin, Twin::Case(_)));
+    match twins.into_iter().next() {
+        None => Err(AssetError::Io { pointer: pointer.to_owned(), path, source }),
+        Some(Twin::Composition(path)) => match read(base, &path, allow_outside, limit) {
+            Ok(bytes) => Ok(Payload { bytes, oddity: None }),
+            Err(e) => Err(unreadable(pointer, uri, path, e, limit)),
+        },
+        Some(Twin::Case(path)) => {
+            let path = path.strip_prefix(base).unwrap_or(&path);
+            let there = shorten(&path.to_string_lossy());
+            Err(refuse(pointer, uri, "there is no such file").with_advice(format!(
+                "`{there}` is there, which differs in case: rename it, or mend the URI"
+            )))
+        }
+    }
+}
+
+fn unreadable(pointer: &str, uri: &str, path: PathBuf, error: ReadError, limit: u64) -> AssetError {
+    match error {
+        ReadError::Missing(source) | ReadError::Other(source) => {
+            AssetError::Io { pointer: pointer.to_owned(), path, source }
+        }
+        ReadError::Refused(why) => refuse(pointer, uri, why),
+        ReadError::TooLarge(needed) => AssetError::Limit {
+            pointer: pointer.to_owned(),
+            what: "the file, in bytes,".to_owned(),
+            needed,
+            limit,
+            field: "file_bytes",
+        },
     }
 }
 

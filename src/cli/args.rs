@@ -47,7 +47,8 @@ pub(super) struct LoadArgs {
     pub input: PathBuf,
 
     /// Let the file ask for more (or less) than usual, such as image-bytes=4G; may be repeated. Names: file-bytes,
-    /// json-values, nodes, instances, vertices, triangles, image-bytes
+    /// json-values, nodes, instances, vertices, triangles, image-bytes, pose-elements, and of what is made of the file
+    /// pyramid-bytes, environment-bytes, hierarchy-bytes, light-bytes
     #[arg(long = "limit", value_name = "NAME=N", value_parser = limit, hide_short_help = true)]
     pub limits: Vec<(String, u64)>,
 

@@ -75,7 +75,7 @@ fn cannot_load(path: &Path, error: &AssetError) -> Failure {
 
 /// Compiles a scene.
 pub(super) fn build(description: SceneDescription) -> Result<Scene, Failure> {
-    Scene::build(description).map_err(Failure::cannot)
+    Scene::build(description).map_err(|e| Failure::Cannot { advice: e.advice(), message: e.to_string() })
 }
 
 /// Renders a picture.

@@ -321,6 +321,7 @@ mod tests {
             name: (*name).to_owned(),
             transform: Affine3A::IDENTITY,
             projection: Projection::Perspective { yfov: 1.0, aspect: Some(2.0) },
+            clip: crate::scene::Clip::NONE,
         };
         SceneDescription { cameras: names.iter().map(camera).collect(), ..Default::default() }
     }

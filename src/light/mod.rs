@@ -21,3 +21,10 @@ pub use emitter::{EmissionField, EmissiveRadiance, EmissiveTriangle, EmitterId};
 pub use environment::{Environment, Facing};
 pub use lights::{Anchor, LightSample, Lights};
 pub use point::LightPoint;
+
+/// Bytes that a texel of an environment takes: radiance as it was read and with its scale, and its place in the tables.
+pub(crate) const ENVIRONMENT_TEXEL_BYTES: u64 = 2 * size_of::<glam::Vec3>() as u64 + 8;
+
+/// Bytes that an emissive triangle of an instance takes, with its part of the tree.
+pub(crate) const EMITTER_BYTES: u64 =
+    (size_of::<EmissiveTriangle>() + size_of::<emitter::Emitter>() + size_of::<tree::Node>() + 8) as u64;

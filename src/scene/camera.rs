@@ -1,7 +1,7 @@
 //! Cameras as ray generators, and the automatic framing used when a file has none.
 
 use super::Footprint;
-use super::description::{CameraDescription, Projection};
+use super::description::{CameraDescription, Clip, Projection};
 use crate::geometry::Ray;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
@@ -19,6 +19,7 @@ pub struct Camera {
     half_extent: Vec2,
     orthographic: bool,
     size: Vec2,
+    clip: Clip,
 }
 
 impl Camera {
@@ -41,17 +42,18 @@ impl Camera {
             half_extent: Vec2::new(half_height * width as f32 / height as f32, half_height),
             orthographic,
             size: Vec2::new(width as f32, height as f32),
+            clip: description.clip,
         }
     }
 
-    /// The eye (perspective), or the centre of the view plane (orthographic).
-    pub fn origin(&self) -> Vec3 {
-        self.origin
-    }
-
-    /// Whether rays are parallel, and start at points of their own.
-    pub fn is_orthographic(&self) -> bool {
-        self.orthographic
+    /// How far a ray from `position`, which is seen from the camera in `direction`, has to the far plane.
+    pub fn reach(&self, position: Vec3, direction: Vec3) -> f32 {
+        if self.clip.far == f32::INFINITY {
+            return f32::INFINITY;
+        }
+        let view = -self.axes.z_axis;
+        let depth = (position - self.origin).dot(view);
+        ((self.clip.far - depth) / direction.dot(view)).max(0.0)
     }
 
     /// The narrow side of a pixel that a ray of this camera is one of `samples` of.
@@ -62,20 +64,22 @@ impl Camera {
         } else {
             // Off the axis pixels are nearer to edge-on, and farther along the ray than along the axis.
             let cos = -ray.direction.dot(self.axes.z_axis);
-            Footprint::of_pixel(0.0, side * cos * cos, samples)
+            let spread = side * cos * cos;
+            Footprint::of_pixel(spread * (self.clip.near / cos), spread, samples)
         }
     }
 
-    /// The ray through `raster`, in pixels from the top left corner.
+    /// The ray through `raster`, in pixels from the top left corner; it starts at the near plane.
     pub fn ray(&self, raster: Vec2) -> Ray {
         let ndc = raster / self.size * 2.0 - Vec2::ONE;
         let plane = Vec2::new(ndc.x, -ndc.y) * self.half_extent;
         if self.orthographic {
-            let origin = self.origin + self.axes * Vec3::new(plane.x, plane.y, 0.0);
+            let origin = self.origin + self.axes * Vec3::new(plane.x, plane.y, -self.clip.near);
             Ray { origin, direction: -self.axes.z_axis, t_max: f32::INFINITY }
         } else {
-            let direction = (self.axes * Vec3::new(plane.x, plane.y, -1.0)).normalize();
-            Ray { origin: self.origin, direction, t_max: f32::INFINITY }
+            let through = self.axes * Vec3::new(plane.x, plane.y, -1.0);
+            let origin = self.origin + self.clip.near * through;
+            Ray { origin, direction: through.normalize(), t_max: f32::INFINITY }
         }
     }
 }
@@ -101,6 +105,7 @@ pub fn auto_camera(min: Vec3, max: Vec3, aspect: f32) -> CameraDescription {
         name: "automatic".into(),
         transform: Affine3A::from_mat3_translation(Mat3::from_cols(right, up, toward_eye), eye),
         projection: Projection::Perspective { yfov: AUTO_YFOV, aspect: None },
+        clip: Clip::NONE,
     }
 }
 
@@ -114,6 +119,7 @@ mod tests {
             name: String::new(),
             transform: Affine3A::IDENTITY,
             projection: Projection::Perspective { yfov: std::f32::consts::FRAC_PI_2, aspect: None },
+            clip: Clip::NONE,
         };
         let camera = Camera::new(&c, 200, 100);
         assert!((camera.ray(Vec2::new(100.0, 50.0)).direction - Vec3::NEG_Z).length() < 1e-6);
@@ -121,6 +127,41 @@ mod tests {
         assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
         let right = camera.ray(Vec2::new(200.0, 50.0)).direction;
         assert!((right - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn rays_start_at_the_near_plane_and_end_at_the_far_plane() {
+        let turn = Mat3::from_rotation_y(0.5);
+        for projection in [
+            Projection::Perspective { yfov: 1.2, aspect: None },
+            Projection::Orthographic { ymag: 3.0, aspect: None },
+        ] {
+            let description = CameraDescription {
+                name: String::new(),
+                transform: Affine3A::from_mat3_translation(turn, Vec3::new(1.0, 2.0, 3.0)),
+                projection,
+                clip: Clip { near: 2.0, far: 5.0 },
+            };
+            let camera = Camera::new(&description, 200, 100);
+            for raster in [Vec2::ZERO, Vec2::new(30.0, 99.0), Vec2::new(100.0, 50.0)] {
+                let Ray { origin, direction, .. } = camera.ray(raster);
+                let depth = |p: Vec3| -description.transform.inverse().transform_point3(p).z;
+                let end = origin + camera.reach(origin, direction) * direction;
+                assert!((depth(origin) - 2.0).abs() < 1e-5 && (depth(end) - 5.0).abs() < 1e-5);
+                // The same line as without planes.
+                let open =
+                    Camera::new(&CameraDescription { clip: Clip::NONE, ..description.clone() }, 200, 100);
+                let free = open.ray(raster);
+                assert_eq!(free.direction, direction);
+                assert!((origin - free.origin).cross(direction).length() < 1e-5);
+                assert_eq!(open.reach(origin, direction), f32::INFINITY);
+                // What one pixel covers does not depend on where its ray starts.
+                let (mut near, mut eye) = (camera.footprint(&free, 1), open.footprint(&free, 1));
+                near.travel(1.0);
+                eye.travel(1.0 + (origin - free.origin).length());
+                assert!((near.width - eye.width).abs() < 1e-5 * eye.width);
+            }
+        }
     }
 
     #[test]

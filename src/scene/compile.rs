@@ -2,9 +2,9 @@
 
 use super::description::*;
 use super::emission::SceneEmission;
+use super::footprint::Pyramids;
 use super::mesh_facts::MeshFacts;
 use super::object::Object;
-use super::pyramid::Pyramid;
 use super::surface::Surface;
 use super::texture;
 use crate::geometry::{GeometryError, Hit, SceneGeometry, Topology};
@@ -36,6 +36,34 @@ pub enum SceneError {
         /// The index.
         index: usize,
     },
+    /// It would take more memory than the description allows.
+    #[error("{what}, in bytes, needs {needed}, and the limit is {limit}")]
+    Limit {
+        /// What is counted.
+        what: &'static str,
+        /// How much it would take.
+        needed: u64,
+        /// How much is allowed.
+        limit: u64,
+        /// The field of [`DerivedLimits`](super::DerivedLimits) that can be raised.
+        field: &'static str,
+    },
+}
+
+impl SceneError {
+    /// What the user could do about it.
+    pub fn advice(&self) -> Option<String> {
+        match self {
+            Self::Limit { field, .. } => Some(raise(field)),
+            Self::Geometry(_) | Self::Index { .. } => None,
+        }
+    }
+}
+
+/// What to do where a file asks for more than a limit.
+pub(crate) fn raise(field: &str) -> String {
+    let option = field.replace('_', "-");
+    format!("if the file is to be trusted, raise the limit (`--limit {option}=N`)")
 }
 
 /// A compiled scene: immutable, shared by all threads.
@@ -54,8 +82,8 @@ pub struct Scene {
     pub lights: Lights,
     /// Where most of their light comes from.
     pub beacons: Vec<Beacon>,
-    /// For each texture whose look-ups may be averaged.
-    pub(super) pyramids: Vec<Option<(ColorSpace, Pyramid)>>,
+    /// Of images whose look-ups may be averaged.
+    pub(super) pyramids: Pyramids,
     /// Whether any medium refracts wavelengths differently.
     pub has_dispersion: bool,
     /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
@@ -71,9 +99,10 @@ impl Scene {
     /// Builds acceleration structures and lights.
     ///
     /// # Errors
-    /// Indices that point nowhere and transforms that cannot be inverted.
+    /// Indices that point nowhere, transforms that cannot be inverted, and more memory than the limits allow.
     pub fn build(mut description: SceneDescription) -> Result<Self, SceneError> {
         check_indices(&description)?;
+        description.check_needs()?;
         let media: Vec<_> = description.materials.iter().map(|m| m.medium.as_ref().map(medium)).collect();
         let holds_medium: Vec<bool> = description
             .meshes
@@ -121,8 +150,8 @@ impl Scene {
             lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
             default_material: MaterialDescription::default(),
             beacons: Vec::new(),
-            pyramids: Self::pyramids_of(&description),
             facts: description.meshes.par_iter().map(MeshFacts::new).collect(),
+            pyramids: Pyramids::new(&description),
             description: Arc::new(description),
             geometry,
             media,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 pub use super::image::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
-use super::Layers;
+use super::{DerivedLimits, Layers};
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
@@ -35,6 +35,8 @@ pub struct SceneDescription {
     /// How far the ends of open edges of a mesh with a medium may be apart and yet be one, in metres: then they are put
     /// into one place. By default 1e-5 of the largest coordinate of the mesh; 0 for none.
     pub weld_tolerance: Option<f32>,
+    /// How much memory what is derived from it may take.
+    pub limits: DerivedLimits,
 }
 
 /// A triangle mesh in its own space. Attribute vectors are empty where the mesh lacks the attribute, otherwise as
@@ -244,6 +246,31 @@ pub struct CameraDescription {
     pub transform: Affine3A,
     /// Lens.
     pub projection: Projection,
+    /// Between which depths it sees.
+    pub clip: Clip,
+}
+
+/// The planes, perpendicular to the view, between which a camera sees (`znear` and `zfar` of glTF), metres from the eye.
+///
+/// They bound what is seen straight, also through alpha and clear media without contrast; reflections, refractions and
+/// shadows know nothing of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clip {
+    /// Where camera rays start. Below 0, behind the eye, only for parallel rays.
+    pub near: f32,
+    /// Beyond it only the environment is seen; above `near`.
+    pub far: f32,
+}
+
+impl Clip {
+    /// All that is before the eye is seen.
+    pub const NONE: Self = Self { near: 0.0, far: f32::INFINITY };
+}
+
+impl Default for Clip {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// A camera's lens. The image's own aspect ratio sets the horizontal extent.

@@ -18,7 +18,6 @@
 use super::texture::TextureSampler;
 use super::{AlphaMode, ColorSpace, Minify, Pyramid, Scene, SceneDescription, Surface, TextureRef};
 use glam::Vec4;
-use rayon::prelude::*;
 
 /// A box as wide as a footprint and the bilinear look-up of a level have the same variance if texels are 0.58 (2^−0.79) of
 /// the width: (1/6 + 1/12) s² = w²/12.
@@ -75,10 +74,7 @@ impl Surface {
     }
 
     fn wide_texture(&self, scene: &Scene, texture: &TextureRef) -> Option<Vec4> {
-        let (color_space, pyramid) = scene.pyramids.get(texture.texture)?.as_ref()?;
-        if *color_space != texture.color_space {
-            return None;
-        }
+        let pyramid = scene.pyramids.pyramid(texture.texture, texture.color_space)?;
         let sampler = TextureSampler::new(&scene.description.textures, &scene.description.images, texture)?;
         let mesh = scene.mesh(self.instance);
         let triangle = mesh.triangles[self.triangle as usize].map(|i| i as usize);
@@ -96,24 +92,59 @@ impl Surface {
     }
 }
 
-impl Scene {
-    /// A pyramid for each texture whose look-ups may be averaged.
-    pub(super) fn pyramids_of(description: &SceneDescription) -> Vec<Option<(ColorSpace, Pyramid)>> {
-        let mut wanted = vec![None; description.textures.len()];
-        for material in description.materials.iter().filter(|m| m.alpha_mode == AlphaMode::Opaque) {
-            for reference in material.base_color_texture.iter().chain(&material.emission_texture) {
-                if let Some(slot) = wanted.get_mut(reference.texture)
-                    && description.textures[reference.texture].minify == Minify::Footprint
+/// The pyramids of a scene: one for each image and colour space, however many textures and materials show it.
+pub(super) struct Pyramids {
+    pyramids: Vec<Pyramid>,
+    /// Of each texture, in sRGB and linear: an index, or [`Self::NONE`].
+    of_texture: Vec<[u32; 2]>,
+}
+
+impl Pyramids {
+    const NONE: u32 = u32::MAX;
+
+    pub fn new(description: &SceneDescription) -> Self {
+        let images = description.averaged_images();
+        let mut of_texture = vec![[Self::NONE; 2]; description.textures.len()];
+        for (slots, texture) in of_texture.iter_mut().zip(&description.textures) {
+            for (slot, space) in slots.iter_mut().zip([ColorSpace::Srgb, ColorSpace::Linear]) {
+                if texture.minify == Minify::Footprint
+                    && let Ok(found) = images
+                        .binary_search_by_key(&(texture.image, space as u8), |(image, r)| {
+                            (*image, r.color_space as u8)
+                        })
                 {
-                    *slot = Some(*reference);
+                    *slot = found as u32;
                 }
             }
         }
-        let build = |reference: &Option<TextureRef>| {
-            let reference = reference.as_ref()?;
-            let sampler = TextureSampler::new(&description.textures, &description.images, reference)?;
-            Some((reference.color_space, sampler.pyramid()))
+        let build = |(_, reference): &(usize, TextureRef)| {
+            let sampler = TextureSampler::new(&description.textures, &description.images, reference);
+            sampler.map_or_else(|| Pyramid::new(1, 1, false, |_, _| Vec4::ONE), |sampler| sampler.pyramid())
         };
-        wanted.par_iter().map(build).collect()
+        Self { pyramids: images.iter().map(build).collect(), of_texture }
+    }
+
+    /// That of the image of a texture in a colour space; `None` where look-ups are not averaged.
+    #[inline]
+    pub fn pyramid(&self, texture: usize, space: ColorSpace) -> Option<&Pyramid> {
+        let slot = *self.of_texture.get(texture)?.get(usize::from(space as u8))?;
+        self.pyramids.get(slot as usize)
+    }
+}
+
+impl SceneDescription {
+    /// Images whose look-ups may be averaged, each with one of the references that do so, in the order of images and then
+    /// of colour spaces.
+    pub(super) fn averaged_images(&self) -> Vec<(usize, TextureRef)> {
+        let materials = self.materials.iter().filter(|m| m.alpha_mode == AlphaMode::Opaque);
+        let references = materials.flat_map(|m| m.base_color_texture.iter().chain(&m.emission_texture));
+        let averaged = references.filter_map(|reference| {
+            let texture = self.textures.get(reference.texture)?;
+            (texture.minify == Minify::Footprint).then_some((texture.image, *reference))
+        });
+        let mut images: Vec<(usize, TextureRef)> = averaged.collect();
+        images.sort_by_key(|(image, r)| (*image, r.color_space as u8));
+        images.dedup_by_key(|(image, r)| (*image, r.color_space as u8));
+        images
     }
 }

@@ -2,7 +2,7 @@
 //! its lobes. Most materials have none of it, so it is kept apart from what every hit reads.
 
 use super::{AlphaMode, MaterialDescription, TextureRef};
-use glam::Vec3;
+use glam::{Mat2, Vec3};
 
 /// Everything optional about a surface. `None` is as if the extension were not there.
 #[derive(Clone, Debug, Default)]
@@ -155,14 +155,15 @@ impl MaterialDescription {
         self.layers.get_or_insert_default()
     }
 
-    /// The texture whose coordinates tell the direction of tangents, or the set of coordinates that does; `None` where
-    /// nothing needs tangents.
-    pub fn tangent_uv_set(&self) -> Option<usize> {
-        let set = |t: &Option<TextureRef>| t.as_ref().map(|t| t.uv_set);
+    /// The set of texture coordinates that tells the direction of tangents, and the linear part of the transform that the
+    /// texture applies to it; `None` where nothing needs tangents.
+    pub fn tangent_uvs(&self) -> Option<(usize, Mat2)> {
+        let uvs = |t: &Option<TextureRef>| t.as_ref().map(|t| (t.uv_set, t.transform.matrix2));
         let layers = self.layers.as_ref();
-        let coat = || layers.and_then(|l| set(&l.clearcoat.as_ref()?.normal_texture));
-        let brushed = || layers.and_then(|l| Some(set(&l.anisotropy.as_ref()?.texture).unwrap_or(0)));
-        set(&self.normal_texture).or_else(coat).or_else(brushed)
+        let coat = || layers.and_then(|l| uvs(&l.clearcoat.as_ref()?.normal_texture));
+        let brushed =
+            || layers.and_then(|l| Some(uvs(&l.anisotropy.as_ref()?.texture).unwrap_or((0, Mat2::IDENTITY))));
+        uvs(&self.normal_texture).or_else(coat).or_else(brushed)
     }
 
     /// Whether light can come through the surface, other than by alpha.

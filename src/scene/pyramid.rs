@@ -5,7 +5,9 @@
 //! is odd. Level 0 is the image itself and not stored again. 8 and 16 bit images keep 16 linear bits a channel, which is
 //! finer than the steps of 8 bit sRGB everywhere; a pyramid takes two thirds of the memory of an 8 bit image.
 
+use super::description::{ImageData, ImagePixels};
 use glam::Vec4;
+use rayon::prelude::*;
 
 /// Levels 1 and up.
 #[derive(Clone, Debug)]
@@ -40,8 +42,22 @@ impl Level {
 }
 
 impl Pyramid {
+    /// Bytes of the pyramid of an image.
+    pub(super) fn bytes_of(image: &ImageData) -> u64 {
+        let texel = match image.pixels {
+            ImagePixels::Rgba8(_) | ImagePixels::Rgba16(_) => size_of::<[u16; 4]>(),
+            ImagePixels::Rgba32F(_) => size_of::<Vec4>(),
+        };
+        let (mut width, mut height, mut texels) = (image.width.max(1), image.height.max(1), 0);
+        while width.max(height) > 1 {
+            (width, height) = ((width / 2).max(1), (height / 2).max(1));
+            texels += u64::from(width) * u64::from(height);
+        }
+        texels.saturating_mul(texel as u64)
+    }
+
     /// From the texels of an image, which are finite; `float`: they may be outside of \[0, 1\].
-    pub fn new(width: u32, height: u32, float: bool, texel: impl Fn(u32, u32) -> Vec4) -> Self {
+    pub fn new(width: u32, height: u32, float: bool, texel: impl Fn(u32, u32) -> Vec4 + Sync) -> Self {
         let mut levels = Vec::new();
         if width.max(height) > 1 {
             levels.push(halve(width, height, float, texel));
@@ -75,7 +91,7 @@ fn covered(from: u32, to: u32) -> Vec<(u32, [f32; 3])> {
     (0..to).map(share).collect()
 }
 
-fn halve(width: u32, height: u32, float: bool, texel: impl Fn(u32, u32) -> Vec4) -> Level {
+fn halve(width: u32, height: u32, float: bool, texel: impl Fn(u32, u32) -> Vec4 + Sync) -> Level {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
     let (columns, rows) = (covered(width, w), covered(height, h));
     let mean = |&(y, down): &(u32, [f32; 3]), &(x, across): &(u32, [f32; 3])| {
@@ -87,12 +103,22 @@ fn halve(width: u32, height: u32, float: bool, texel: impl Fn(u32, u32) -> Vec4)
         }
         sum
     };
-    let means = rows.iter().flat_map(|row| columns.iter().map(move |column| mean(row, column)));
+    let count = w as usize * h as usize;
     let texels = if float {
-        Texels::Float(means.collect())
+        let mut texels = vec![Vec4::ZERO; count];
+        texels.par_chunks_mut(columns.len()).zip(&rows).for_each(|(out, row)| {
+            out.iter_mut().zip(&columns).for_each(|(out, column)| *out = mean(row, column));
+        });
+        Texels::Float(texels)
     } else {
         let round = |v: f32| (v.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
-        Texels::Unorm(means.map(|m| m.to_array().map(round)).collect())
+        let mut texels = vec![[0; 4]; count];
+        texels.par_chunks_mut(columns.len()).zip(&rows).for_each(|(out, row)| {
+            out.iter_mut()
+                .zip(&columns)
+                .for_each(|(out, column)| *out = mean(row, column).to_array().map(round));
+        });
+        Texels::Unorm(texels)
     };
     Level { width: w, height: h, texels }
 }

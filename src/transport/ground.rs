@@ -31,13 +31,19 @@ use std::f32::consts::PI;
 const NEVER: f32 = 1e-30;
 
 impl PathTracer<'_> {
-    /// How far the ground is along the way to an arrival, if it is met there.
-    pub(super) fn ground_distance(&self, origin: Vec3, direction: Vec3, arrival: &Arrival) -> Option<f32> {
+    /// How far the ground is along the way to an arrival, if it is met there and within `reach`.
+    pub(super) fn ground_distance(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        arrival: &Arrival,
+        reach: f32,
+    ) -> Option<f32> {
         let height = origin.y - self.options.ground?;
         let t = height / -direction.y;
         let nearest = match arrival {
             Arrival::Surface(hit) => hit.t,
-            Arrival::Escaped => f32::INFINITY,
+            Arrival::Escaped => reach,
             Arrival::Exit(_) | Arrival::Ended => return None,
         };
         (height > 0.0 && t > 0.0 && t < nearest).then_some(t)

@@ -2,6 +2,7 @@
 
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
+use super::media::MediumStack;
 use super::pixel::{Caught, PixelSample};
 use super::render::RenderOptions;
 use super::state::{Counters, Path, Vertex};
@@ -101,10 +102,14 @@ impl PathTracer<'_> {
                 return None;
             }
             let from = path.head.position;
-            let arrival = self.advance(path, radiance, sampler);
+            let reach = self.reach(path);
+            let mut arrival = self.advance(path, reach, radiance, sampler);
+            if reach < f32::INFINITY && path.direct_view {
+                self.end_of_view(path, reach, &mut arrival);
+            }
             if path.direct_view
                 && path.stack.is_empty()
-                && let Some(t) = self.ground_distance(from, path.head.direction, &arrival)
+                && let Some(t) = self.ground_distance(from, path.head.direction, &arrival, reach)
             {
                 return Some(self.catch(path, from + t * path.head.direction, sampler));
             }
@@ -135,19 +140,48 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Moves the head to where it arrives next.
-    fn advance(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> Arrival {
+    /// How far a path can go before it leaves what the camera sees.
+    #[inline]
+    fn reach(&self, path: &Path) -> f32 {
+        if path.direct_view {
+            self.camera.reach(path.head.position, path.head.direction)
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    /// Lets a path that is still seen straight out at the far plane: nothing is beyond it, media neither.
+    #[cold]
+    fn end_of_view(&self, path: &mut Path, reach: f32, arrival: &mut Arrival) {
+        if let Arrival::Surface(hit) = arrival
+            && hit.t > reach
+        {
+            *arrival = Arrival::Escaped;
+        }
+        if matches!(arrival, Arrival::Escaped) {
+            path.stack = MediumStack::default();
+        }
+    }
+
+    /// Moves the head to where it arrives next. What is seen straight ends after `reach`; flights through media that
+    /// scatter do not, since nobody can say of light that was scattered on which side of the plane it was seen.
+    fn advance(&self, path: &mut Path, reach: f32, radiance: &mut Vec3, sampler: &mut Sampler) -> Arrival {
         let Some((enclosure, medium)) =
             path.stack.current().and_then(|e| Some((e, self.scene.medium(e.material)?)))
         else {
-            return self.straight(path);
+            return self.straight(path, reach);
         };
         if medium.sigma_s.max_element() <= 0.0 {
             let PathHead { position, direction, start, .. } = path.head;
-            let arrival = self.straight(path);
-            if let Arrival::Surface(hit) = &arrival {
-                let from = start.map(|s| s.hit());
-                let length = self.scene.geometry.distance_between(from.as_ref(), hit, direction);
+            let arrival = self.straight(path, reach);
+            let length = match &arrival {
+                Arrival::Surface(hit) => {
+                    let from = start.map(|s| s.hit());
+                    Some(self.scene.geometry.distance_between(from.as_ref(), hit, direction))
+                }
+                _ => Some(reach).filter(|reach| reach.is_finite()),
+            };
+            if let Some(length) = length {
                 path.head.throughput *=
                     self.segment_transmittance(position, direction, length, &path.stack, sampler);
             }
@@ -196,10 +230,10 @@ impl PathTracer<'_> {
         }
     }
 
-    fn straight(&self, path: &mut Path) -> Arrival {
+    fn straight(&self, path: &mut Path, reach: f32) -> Arrival {
         self.count_ray();
         let head = &mut path.head;
-        let ray = Ray { origin: head.position, direction: head.direction, t_max: f32::INFINITY };
+        let ray = Ray { origin: head.position, direction: head.direction, t_max: reach };
         match self.scene.geometry.intersect(&ray) {
             Some(hit) => Arrival::Surface(hit),
             None => Arrival::Escaped,

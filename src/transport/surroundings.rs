@@ -1,59 +1,67 @@
-//! The media around the eye: a path has to know them before it meets the first boundary.
+//! The media around the starts of camera rays: a path has to know them before it meets the first boundary.
 //!
-//! All rays of a perspective camera start at one point. Those of an orthographic one start all over the view plane, some
-//! inside of an object and some beside it, so there the question is asked for each ray, of the objects that the plane may
-//! cut.
+//! Rays start at the near plane of the camera: at one point where there is none, else each at a point of its own, some
+//! inside of an object and some beside it. An object that no surface of comes as near to the centre of those points as the
+//! farthest of them is around all or none of them; of the others the question is asked for each ray.
 
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::Aabb;
 use crate::scene::{Camera, Scene};
 use glam::{Vec2, Vec3};
 
+/// Room for roundings, as a factor.
+const MARGIN: f32 = 1.001;
+
 /// The media around the starts of camera rays.
-pub(super) enum Surroundings {
-    /// The same for all rays.
-    Same(MediumStack),
+pub(super) struct Surroundings {
+    /// What is around all of them.
+    around: MediumStack,
     /// Instances that may be around some of them.
-    Candidates(Vec<u32>),
+    undecided: Vec<u32>,
 }
 
 impl Surroundings {
     /// Of a camera with a picture of `size` pixels.
     pub fn new(scene: &Scene, camera: &Camera, size: Vec2) -> Self {
-        let closed = (0..scene.objects.len() as u32).filter(|&i| {
-            let object = &scene.objects[i as usize];
-            object.has_medium && object.closed
-        });
-        if !camera.is_orthographic() {
-            return Self::Same(around(scene, closed, camera.origin()));
-        }
         let corners = [Vec2::ZERO, Vec2::new(size.x, 0.0), Vec2::new(0.0, size.y), size];
-        let plane = Aabb::from_points(&corners.map(|c| camera.ray(c).origin));
-        let near = closed.filter(|&i| {
-            let bounds = scene.geometry.transform(i).bounds(&scene.geometry.mesh_of(i).bounds());
-            bounds.min.cmple(plane.max).all() && bounds.max.cmpge(plane.min).all()
-        });
-        let near: Vec<u32> = near.collect();
-        if near.is_empty() { Self::Same(MediumStack::default()) } else { Self::Candidates(near) }
+        let corners = corners.map(|c| camera.ray(c).origin);
+        let starts = Aabb::from_points(&corners);
+        let mut found = Self { around: MediumStack::default(), undecided: Vec::new() };
+        for i in 0..scene.objects.len() as u32 {
+            let object = &scene.objects[i as usize];
+            let bounds = || scene.geometry.transform(i).bounds(&scene.geometry.mesh_of(i).bounds());
+            let meets = |b: Aabb| b.min.cmple(starts.max).all() && b.max.cmpge(starts.min).all();
+            if !(object.has_medium && object.closed && meets(bounds())) {
+                continue;
+            }
+            if surface_is_near(scene, i, &corners) {
+                found.undecided.push(i);
+            } else {
+                set_winding(scene, &mut found.around, i, corners[0]);
+            }
+        }
+        found
     }
 
     /// For a ray that starts at `origin`.
     #[inline]
     pub fn at(&self, scene: &Scene, origin: Vec3) -> MediumStack {
-        match self {
-            Self::Same(stack) => *stack,
-            Self::Candidates(instances) => around(scene, instances.iter().copied(), origin),
+        let mut stack = self.around;
+        for &instance in &self.undecided {
+            set_winding(scene, &mut stack, instance, origin);
         }
+        stack
     }
 }
 
-/// Those of the instances that a point is inside of.
-fn around(scene: &Scene, instances: impl Iterator<Item = u32>, point: Vec3) -> MediumStack {
-    let mut stack = MediumStack::default();
-    for instance in instances {
-        set_winding(scene, &mut stack, instance, point);
-    }
-    stack
+/// Whether a surface of an instance may lie between some of the points of a rectangle; never if they are one.
+fn surface_is_near(scene: &Scene, instance: u32, corners: &[Vec3; 4]) -> bool {
+    let transform = scene.geometry.transform(instance);
+    let corners = corners.map(|c| transform.inverse_point(c));
+    let center = 0.25 * corners.iter().sum::<Vec3>();
+    let radius = corners.iter().map(|c| c.distance(center)).fold(0.0, f32::max);
+    corners.iter().any(|c| *c != corners[0])
+        && scene.geometry.mesh_of(instance).nearest(center, radius * MARGIN).is_some()
 }
 
 /// Finds out how often an instance winds about a point.

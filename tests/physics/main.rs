@@ -3,6 +3,7 @@
 
 mod aiming;
 mod arrangements;
+mod clip;
 mod close_lamps;
 mod determinism;
 mod directed_models;

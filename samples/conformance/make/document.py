@@ -239,7 +239,7 @@ class Document:
 
     def perspective(self, direction, yfov, origin=(0, 0, 0)):
         """A square perspective camera."""
-        view = {"aspectRatio": 1, "yfov": number(yfov), "znear": 1e-4}
+        view = {"aspectRatio": 1, "yfov": number(yfov), "znear": 1e-6}
         self.json["cameras"] = [{"type": "perspective", "perspective": view}]
         self.node(name="camera", camera=0, matrix=look_along(direction, origin, 0.0))
 

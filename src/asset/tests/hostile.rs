@@ -94,3 +94,35 @@ fn zeros_cost_nothing_and_are_limited() {
     b.json["accessors"][0] = json!({"type": "VEC3", "componentType": F32, "count": 1_u64 << 30});
     assert!(matches!(b.load(), Err(AssetError::Limit { .. })));
 }
+
+/// A hundred bytes a node that each take a copy of a mesh, and images that are one by another name.
+#[test]
+fn what_is_made_of_a_file_is_counted_and_shared() {
+    let mut b = Builder::triangle();
+    let stretched = |i: usize| json!({"mesh": 0, "scale": [1, 2, 1 + i]});
+    b.json["nodes"] = (0..1000).map(stretched).collect();
+    b.json["scenes"] = json!([{"nodes": (0..1000).collect::<Vec<_>>()}]);
+    let mut limits = Limits::default();
+    assert!(limits.set("hierarchy-bytes", 100_000));
+    let options = LoadOptions { limits, ..LoadOptions::default() };
+    let loaded = load_json(&b.document(), &options).expect("loads");
+    let Err(error) = crate::scene::Scene::build(loaded.scene) else { panic!("copies are not counted") };
+    assert!(
+        error.to_string().contains("meshes, instances and their hierarchies, in bytes, needs "),
+        "{error}"
+    );
+    assert!(error.advice().is_some_and(|advice| advice.contains("--limit hierarchy-bytes=N")));
+
+    let png = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg==";
+    let mut b = Builder::triangle();
+    b.json["images"] = (0..8).map(|_| json!({"uri": png})).collect();
+    b.json["textures"] = (0..8).map(|i| json!({"source": i})).collect();
+    let material = |i: usize| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}});
+    b.json["materials"] = (0..8).map(material).collect();
+    let scene = b.loaded().scene;
+    assert_eq!((scene.textures.len(), scene.images.len()), (8, 1));
+    assert!(scene.textures.iter().all(|t| t.image == 0));
+    // One texel of 8 bits.
+    let limits = Limits { image_bytes: 4, ..Limits::default() };
+    assert!(load_json(&b.document(), &LoadOptions { limits, ..LoadOptions::default() }).is_ok());
+}

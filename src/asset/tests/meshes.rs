@@ -179,6 +179,60 @@ fn tangents_are_made_where_a_normal_map_needs_them() {
     assert!(b.loaded().scene.meshes[0].tangents.is_empty());
 }
 
+/// A bump of a normal map stays a bump, however KHR_texture_transform turns or mirrors the picture of it.
+#[test]
+fn tangents_that_are_made_turn_with_the_picture_and_those_of_the_file_do_not() {
+    let png = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg==";
+    let tangents = |material: Value, given: bool| {
+        let mut b = Builder::with_material(material);
+        b.push("textures", json!({"source": 0}));
+        b.push("images", json!({"uri": png}));
+        // The picture is upright: u grows along +X, v along −Y.
+        let uv = b.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        let normal = b.floats("VEC3", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+        primitive(&mut b)["attributes"]["TEXCOORD_0"] = json!(uv);
+        primitive(&mut b)["attributes"]["NORMAL"] = json!(normal);
+        if given {
+            let tangent = b.floats("VEC4", &[1.0, 0.0, 0.0, 1.0].repeat(3));
+            primitive(&mut b)["attributes"]["TANGENT"] = json!(tangent);
+        }
+        let extensions = ["KHR_texture_transform", "KHR_materials_clearcoat", "KHR_materials_anisotropy"];
+        b.json["extensionsUsed"] = json!(extensions);
+        b.loaded().scene.meshes[0].tangents.clone()
+    };
+    let slots: [fn(Value) -> Value; 3] = [
+        |texture| json!({"normalTexture": texture}),
+        |texture| json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatNormalTexture": texture}}}),
+        |texture| json!({"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 1, "anisotropyTexture": texture}}}),
+    ];
+    let (sin, cos) = 0.4_f32.sin_cos();
+    for (transform, expected) in [
+        (json!({"offset": [0.3, 0.7], "scale": [3, 0.5]}), Vec4::new(1.0, 0.0, 0.0, 1.0)),
+        // Rotated by r, u is cos r of the old u and sin r of the old v (row-major (cos, sin; −sin, cos)).
+        (json!({"rotation": 0.4}), Vec4::new(cos, -sin, 0.0, 1.0)),
+        (json!({"rotation": std::f64::consts::PI, "offset": [1, 1]}), Vec4::new(-1.0, 0.0, 0.0, 1.0)),
+        (json!({"rotation": std::f64::consts::FRAC_PI_2}), Vec4::new(0.0, -1.0, 0.0, 1.0)),
+        // A mirrored picture: what is up in it stays, what is right in it is left; and the other way round.
+        (json!({"scale": [-1, 1]}), Vec4::new(-1.0, 0.0, 0.0, -1.0)),
+        (json!({"scale": [1, -2]}), Vec4::new(1.0, 0.0, 0.0, -1.0)),
+        (json!({"scale": [-3, -3]}), Vec4::new(-1.0, 0.0, 0.0, 1.0)),
+        // Scaled before it is turned: u' = 2 u cos r + v sin r grows along (2 cos r, −sin r) at equal v' = v cos r − 2 u sin r.
+        (json!({"scale": [2, 1], "rotation": 0.4}), Vec4::new(cos, -2.0 * sin, 0.0, 1.0)),
+        (json!({"scale": [0, 1]}), Vec4::new(1.0, 0.0, 0.0, 1.0)),
+    ] {
+        let direction = expected.truncate().normalize().extend(expected.w);
+        for slot in slots {
+            let texture = json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
+            for tangent in tangents(slot(texture.clone()), false) {
+                assert!((tangent - direction).length() < 1e-6, "{transform}: {tangent} is not {direction}");
+            }
+            for tangent in tangents(slot(texture), true) {
+                assert_eq!(tangent, Vec4::new(1.0, 0.0, 0.0, 1.0), "{transform}");
+            }
+        }
+    }
+}
+
 #[test]
 fn morph_targets_at_their_default_weights() {
     let mut b = Builder::triangle();

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::*;
-use crate::scene::Projection;
+use crate::scene::{Clip, Projection};
 
 #[test]
 fn transforms_accumulate_and_mirror() {
@@ -148,4 +148,32 @@ fn cameras_lose_their_scale_but_not_their_lens() {
         b.json["cameras"][0]["perspective"] = lens;
         assert!(refused(&b).starts_with("/cameras/0/perspective/yfov: "));
     }
+}
+
+#[test]
+fn clipping_planes_are_those_of_the_file_where_they_leave_something_between_them() {
+    let clip = |kind: &str, near: f64, far: Option<f64>| {
+        let mut b = Builder::triangle();
+        let mut lens = json!({"yfov": 1, "xmag": 1, "ymag": 1, "znear": near});
+        if let Some(far) = far {
+            lens["zfar"] = json!(far);
+        }
+        b.json["cameras"] = json!([{"type": kind, kind: lens}]);
+        b.json["nodes"] = json!([{"camera": 0}]);
+        let loaded = b.loaded();
+        let complaint = |key| told(&loaded, Severity::Warning, &format!("/cameras/0/{kind}/{key}"));
+        (loaded.scene.cameras[0].clip, complaint("znear"), complaint("zfar"))
+    };
+    let never = f32::INFINITY;
+    let (lens, plan) = ("perspective", "orthographic");
+    // Without `zfar` a projection is infinite.
+    assert_eq!(clip(lens, 0.5, None), (Clip { near: 0.5, far: never }, false, false));
+    assert_eq!(clip(lens, 0.5, Some(2.0)), (Clip { near: 0.5, far: 2.0 }, false, false));
+    assert_eq!(clip(plan, 0.0, Some(2.0)), (Clip { near: 0.0, far: 2.0 }, false, false));
+    assert_eq!(clip(lens, -1.0, Some(2.0)), (Clip { near: 0.0, far: 2.0 }, true, false));
+    assert_eq!(clip(plan, -1.0, Some(2.0)), (Clip { near: -1.0, far: 2.0 }, true, false));
+    assert_eq!(clip(lens, 2.0, Some(1.0)), (Clip::NONE, false, true));
+    assert_eq!(clip(lens, 1.0, Some(1.0)), (Clip::NONE, false, true));
+    assert_eq!(clip(lens, 1e300, None), (Clip::NONE, false, false));
+    assert_eq!(clip(plan, 1.0, Some(1e300)), (Clip { near: 1.0, far: never }, false, false));
 }

@@ -117,3 +117,37 @@ fn the_number_of_bytes_must_be_there() {
     assert_eq!(message, "/buffers/0/byteLength: 36 bytes are promised, but there are only 35");
     assert!(load_from(folder.path(), "missing.bin", false).is_err());
 }
+
+#[test]
+fn names_are_found_in_either_composition_and_told_where_only_case_differs() {
+    let folder = folder();
+    // What macOS makes of the name: u and o with marks of their own.
+    let apart = "inside/sub/u\u{308}ber o\u{308}l.bin";
+    std::fs::copy(folder.path().join("inside/plain.bin"), folder.path().join(apart)).expect("a file");
+    // Composed where the disk has it taken apart, percent-encoded or not; and the other way round.
+    for uri in [
+        "sub/\u{fc}ber \u{f6}l.bin",
+        "sub/%C3%BCber%20%C3%B6l.bin",
+        "sub/u\u{308}ber o\u{308}l.bin",
+        "sub/bu\u{308}ff er \u{2764}.bin",
+        "sub/bu%CC%88ff%20er%20%E2%9D%A4.bin",
+    ] {
+        let loaded = load_from(folder.path(), uri, false).unwrap_or_else(|e| panic!("{uri}: {e}"));
+        assert!(loaded.diagnostics.is_empty(), "{uri}: {:?}", loaded.diagnostics);
+    }
+    for (uri, there) in [
+        ("Plain.bin", "plain.bin"),
+        ("plain.BIN?version=3", "plain.bin"),
+        ("SUB/b%C3%BCff%20er%20%E2%9D%A4.bin", "sub/b\u{fc}ff er \u{2764}.bin"),
+        ("sub/BU%CC%88FF%20er%20%E2%9D%A4.bin", "sub/b\u{fc}ff er \u{2764}.bin"),
+    ] {
+        let error = load_from(folder.path(), uri, false).expect_err("another file");
+        assert_eq!(error.pointer(), "/buffers/0/uri");
+        let advice = error.advice().unwrap_or_default();
+        assert!(advice.contains(&format!("`{there}` is there")), "{uri}: {error} ({advice})");
+    }
+    // Outside of the folder nothing is looked for.
+    std::fs::write(folder.path().join("\u{e9}.bin"), [0; 36]).expect("a file");
+    assert!(matches!(load_from(folder.path(), "../e\u{301}.bin", false), Err(AssetError::Uri { .. })));
+    assert!(load_from(folder.path(), "../e\u{301}.bin", true).is_ok());
+}
