@@ -23,6 +23,7 @@ pub mod conformance;
 pub mod extension;
 pub mod film;
 pub mod geometry;
+mod guard;
 pub mod light;
 pub mod optics;
 pub mod sampling;

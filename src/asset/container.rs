@@ -106,9 +106,21 @@ fn split_glb(bytes: &[u8]) -> Result<Parts, AssetError> {
     }
 }
 
-/// Parses a document; also returns the keys that occur twice in one object (the last one counts).
-pub(crate) fn parse(bytes: &[u8], limit: u64) -> Result<(Value, Vec<String>), AssetError> {
-    let mut notes = Notes { left: Some(limit), duplicates: Vec::new() };
+/// A document, and what is odd about it.
+#[derive(Debug)]
+pub(crate) struct Parsed {
+    /// The document, without properties that are `null`: exporters write them for what they leave out.
+    pub document: Value,
+    /// Keys that occur twice in one object; the last one counts.
+    pub duplicates: Vec<String>,
+    /// Keys of some properties that are `null`, and how many there are.
+    pub nulls: (Vec<String>, u64),
+}
+
+/// Parses a document. A property that is `null` is left out, so that it is absent wherever it is asked for; an entry of an
+/// array keeps its place.
+pub(crate) fn parse(bytes: &[u8], limit: u64) -> Result<Parsed, AssetError> {
+    let mut notes = Notes { left: Some(limit), duplicates: Vec::new(), nulls: (Vec::new(), 0) };
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let result = Tree(&mut notes).deserialize(&mut deserializer).and_then(|v| deserializer.end().map(|()| v));
     if notes.left.is_none() {
@@ -129,7 +141,7 @@ pub(crate) fn parse(bytes: &[u8], limit: u64) -> Result<(Value, Vec<String>), As
     if !value.is_object() {
         return Err(broken("not a glTF file: the document is not a JSON object"));
     }
-    Ok((value, notes.duplicates))
+    Ok(Parsed { document: value, duplicates: notes.duplicates, nulls: notes.nulls })
 }
 
 /// What is noted while a document is parsed.
@@ -138,6 +150,20 @@ struct Notes {
     left: Option<u64>,
     /// Keys that occurred twice in one object.
     duplicates: Vec<String>,
+    /// Keys of properties that are `null`, each once, and how many there were.
+    nulls: (Vec<String>, u64),
+}
+
+/// Takes properties that are `null` out of a value.
+pub(crate) fn without_nulls(value: &mut Value) {
+    match value {
+        Value::Object(object) => {
+            object.retain(|_, v| !v.is_null());
+            object.values_mut().for_each(without_nulls);
+        }
+        Value::Array(array) => array.iter_mut().for_each(without_nulls),
+        _ => {}
+    }
 }
 
 /// Builds a [`Value`], counts values, and notes duplicate keys, which `serde_json` alone drops without a word.
@@ -205,6 +231,15 @@ impl<'de> Visitor<'de> for Tree<'_> {
             let value = map.next_value_seed(Tree(self.0))?;
             if object.contains_key(&key) && self.0.duplicates.len() < REPORTED {
                 self.0.duplicates.push(key.clone());
+            }
+            if value.is_null() {
+                let (keys, count) = &mut self.0.nulls;
+                *count += 1;
+                object.shift_remove(&key);
+                if keys.len() < REPORTED && !keys.contains(&key) {
+                    keys.push(key);
+                }
+                continue;
             }
             object.insert(key, value);
         }

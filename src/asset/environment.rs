@@ -1,13 +1,12 @@
 //! Environment images: `.hdr` and `.exr` files as [`EnvironmentDescription::Map`].
 //!
-//! Equirectangular, row 0 at the top. Radiance must be finite and not negative; texels that are not become 0 and are
-//! counted. EXR: `R`, `G`, `B` of the first part that has them, any sample type; `Y` alone is grey; alpha is ignored.
+//! Equirectangular, row 0 at the top. Radiance must be finite and not negative: infinite texels become the largest half
+//! float, those that are negative or no number become 0, and both are counted. Which channels are read,
+//! [`film::decode`](crate::film::decode) says.
 
-use crate::film::ReadError;
+use crate::film::{Film, ReadError, decode, read_bytes};
 use crate::scene::EnvironmentDescription;
 use glam::Vec3;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// The largest number of texels that is read: 16384 × 8192, 1.5 GB as floats.
@@ -18,7 +17,7 @@ pub const MAX_ENVIRONMENT_TEXELS: usize = 1 << 27;
 pub struct LoadedEnvironment {
     /// The map, with scale 1 and rotation 0.
     pub environment: EnvironmentDescription,
-    /// Texels with a NaN, infinite or negative channel; that channel became 0.
+    /// Texels with an infinite channel, which became [`LARGEST_HALF`], or a negative or NaN one, which became 0.
     pub replaced_texels: usize,
     /// Whether the image is twice as wide as high, as an equirectangular map should be.
     pub is_two_to_one: bool,
@@ -64,17 +63,44 @@ pub enum EnvironmentError {
     },
 }
 
-/// Reads an equirectangular `.hdr` or `.exr` image.
+/// What infinite texels become: the largest half float. Suns that a file of half floats cannot hold are infinite in it.
+pub const LARGEST_HALF: f32 = 65504.0;
+
+/// Reads an equirectangular `.hdr` or `.exr` image; which of both it is, its first bytes tell.
+///
+/// # Errors
+/// Where the file cannot be read, is neither, is broken or too large, or has no colour.
 pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, EnvironmentError> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let (width, height, mut pixels) = match extension.as_deref() {
-        Some("hdr") => read_hdr(path)?,
-        Some("exr") => read_exr(path)?,
-        _ => return Err(EnvironmentError::UnknownFormat { path: path.to_owned() }),
-    };
+    if !matches!(extension.as_deref(), Some("hdr" | "exr")) {
+        return Err(EnvironmentError::UnknownFormat { path: path.to_owned() });
+    }
+    read_bytes(path).and_then(|bytes| decode_environment(&bytes, MAX_ENVIRONMENT_TEXELS)).map_err(|e| match e
+    {
+        ReadError::Open(source) => EnvironmentError::Open { path: path.to_owned(), source },
+        ReadError::TooLarge { width, height, .. } => {
+            EnvironmentError::TooLarge { path: path.to_owned(), width, height }
+        }
+        ReadError::Decode(_) | ReadError::NoColour { .. } => {
+            EnvironmentError::Decode { path: path.to_owned(), message: e.to_string() }
+        }
+    })
+}
+
+/// Reads the bytes of an equirectangular `.hdr` or `.exr` image of at most `most` texels.
+///
+/// # Errors
+/// Where the bytes are neither, are broken or too many, or have no colour.
+pub fn decode_environment(bytes: &[u8], most: usize) -> Result<LoadedEnvironment, ReadError> {
+    let Film { width, height, mut pixels, .. } = decode(bytes, most)?;
+    let (width, height) = (width as usize, height as usize);
     let mut replaced_texels = 0;
     for pixel in &mut pixels {
-        let clean = pixel.to_array().map(|c| if c.is_finite() && c >= 0.0 { c } else { 0.0 });
+        let clean = pixel.to_array().map(|c| match c {
+            f32::INFINITY => LARGEST_HALF,
+            c if c >= 0.0 => c,
+            _ => 0.0,
+        });
         if clean != pixel.to_array() {
             *pixel = Vec3::from_array(clean);
             replaced_texels += 1;
@@ -85,47 +111,6 @@ pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, EnvironmentErr
         replaced_texels,
         is_two_to_one: width == 2 * height,
     })
-}
-
-type Texels = (usize, usize, Vec<Vec3>);
-
-fn open(path: &Path) -> Result<BufReader<File>, EnvironmentError> {
-    match File::open(path) {
-        Ok(file) => Ok(BufReader::new(file)),
-        Err(source) => Err(EnvironmentError::Open { path: path.to_owned(), source }),
-    }
-}
-
-fn check_size(path: &Path, width: usize, height: usize) -> Result<(), EnvironmentError> {
-    match width.checked_mul(height) {
-        Some(0) => Err(decode_error(path, "it has no pixels")),
-        Some(n) if n <= MAX_ENVIRONMENT_TEXELS => Ok(()),
-        _ => Err(EnvironmentError::TooLarge { path: path.to_owned(), width, height }),
-    }
-}
-
-fn decode_error(path: &Path, message: impl ToString) -> EnvironmentError {
-    EnvironmentError::Decode { path: path.to_owned(), message: message.to_string() }
-}
-
-fn read_hdr(path: &Path) -> Result<Texels, EnvironmentError> {
-    let decoder = image::codecs::hdr::HdrDecoder::new(open(path)?).map_err(|e| decode_error(path, e))?;
-    let (width, height) = (decoder.metadata().width as usize, decoder.metadata().height as usize);
-    check_size(path, width, height)?;
-    let image = image::DynamicImage::from_decoder(decoder).map_err(|e| decode_error(path, e))?;
-    let pixels = image.into_rgb32f().pixels().map(|p| Vec3::from_array(p.0)).collect();
-    Ok((width, height, pixels))
-}
-
-fn read_exr(path: &Path) -> Result<Texels, EnvironmentError> {
-    let film = crate::film::read_exr(path, MAX_ENVIRONMENT_TEXELS).map_err(|e| match e {
-        ReadError::Open(source) => EnvironmentError::Open { path: path.to_owned(), source },
-        ReadError::TooLarge { width, height, .. } => {
-            EnvironmentError::TooLarge { path: path.to_owned(), width, height }
-        }
-        ReadError::Decode(_) | ReadError::NoColour => decode_error(path, e),
-    })?;
-    Ok((film.width as usize, film.height as usize, film.pixels))
 }
 
 #[cfg(test)]
@@ -184,6 +169,34 @@ mod tests {
         assert!(!loaded.is_two_to_one);
         assert_eq!(loaded.replaced_texels, 1);
         assert_eq!(texels(loaded).2[2], Vec3::new(0.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn infinite_texels_become_the_largest_half_and_others_black() {
+        use ::exr::prelude::*;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let of = |values: [f32; 4]| FlatSamples::F32(values.to_vec());
+        let channels = [
+            AnyChannel::new("R", of([f32::INFINITY, f32::NAN, f32::NEG_INFINITY, 1e9])),
+            AnyChannel::new("G", of([1.0, 2.0, 3.0, 4.0])),
+            AnyChannel::new("B", of([1.0, f32::INFINITY, 3.0, 4.0])),
+        ];
+        let image = Image::from_channels((4, 1), AnyChannels::sort(channels.into_iter().collect()));
+        image.write().to_file(&path).unwrap();
+        let loaded = load_environment(&path).unwrap();
+        assert_eq!(loaded.replaced_texels, 3);
+        let expected = [[65504.0, 1.0, 1.0], [0.0, 2.0, 65504.0], [0.0, 3.0, 3.0], [1e9, 4.0, 4.0]];
+        assert_eq!(texels(loaded).2, expected.map(Vec3::from_array));
+    }
+
+    #[test]
+    fn first_bytes_count_and_not_the_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        let (exr, hdr) = (folder.path().join("a.exr"), folder.path().join("a.hdr"));
+        write(&exr, &film(4, 2), &WriteOptions { float: true, ..Default::default() }).unwrap();
+        std::fs::rename(&exr, &hdr).unwrap();
+        assert_eq!(texels(load_environment(&hdr).unwrap()).2, film(4, 2).pixels);
     }
 
     #[test]

@@ -25,7 +25,6 @@ pub mod environment;
 mod error;
 mod extensions;
 mod fans;
-mod guard;
 mod image;
 mod input;
 mod json;
@@ -52,11 +51,11 @@ pub(crate) mod uri;
 
 use std::path::Path;
 
+pub(crate) use crate::guard::guarded;
 pub use accessor::{Accessor, Component};
 pub use animation::{AnimationSummary, Moment, MutableProperty, PropertyKind};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
-pub(crate) use guard::guarded;
 pub use json::Json;
 pub use limits::Limits;
 pub use loader::Loader;

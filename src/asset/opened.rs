@@ -19,6 +19,7 @@ use crate::scene::ImageData;
 pub struct Asset {
     document: Value,
     duplicates: Vec<String>,
+    nulls: (Vec<String>, u64),
     oddities: Vec<String>,
     bin: Option<Bytes>,
     /// None for a stream.
@@ -79,10 +80,12 @@ impl Asset {
         let bytes = Bytes::from(bytes);
         let parts = container::split(&bytes)?;
         let json_bytes = bytes.get(parts.json).unwrap_or_default();
-        let (document, duplicates) = container::parse(json_bytes, options.limits.json_values)?;
+        let container::Parsed { document, duplicates, nulls } =
+            container::parse(json_bytes, options.limits.json_values)?;
         Ok(Self {
             document,
             duplicates,
+            nulls,
             oddities: parts.oddities,
             bin: parts.bin.and_then(|range| bytes.slice(range.start, range.len())),
             folder,
@@ -122,6 +125,12 @@ impl Asset {
         for key in &self.duplicates {
             let key = shorten(key);
             loader.invalid("", format!("the key `{key}` occurs twice in one object; the last one counts"))?;
+        }
+        let (keys, count) = &self.nulls;
+        if *count > 0 {
+            let names: Vec<String> = keys.iter().map(|key| format!("`{}`", shorten(key))).collect();
+            let what = if *count == 1 { "1 property is" } else { &format!("{count} properties are") };
+            loader.note("", format!("{what} null, which counts as absent: {}", names.join(", ")));
         }
         loader.version()?;
         let extensions = loader.extensions()?;

@@ -32,7 +32,7 @@ impl AuthoredFile {
     pub fn new(bytes: Vec<u8>, limits: &Limits) -> Result<Self, AssetError> {
         let parts = container::split(&bytes)?;
         let json = bytes.get(parts.json.clone()).unwrap_or_default();
-        let (document, _) = container::parse(json, limits.json_values)?;
+        let document = container::parse(json, limits.json_values)?.document;
         Ok(Self { bytes, parts, document })
     }
 

@@ -92,7 +92,7 @@ pub(super) struct SceneArgs {
 
     /// Light from all around: an equirectangular .hdr or .exr, the built-in studio, none, or one radiance; by default
     /// the studio if the file has no lights, else none
-    #[arg(long, value_name = "FILE|studio|none|R,G,B", value_parser = environment)]
+    #[arg(long, value_name = "FILE|studio|none|R,G,B|GREY", value_parser = environment, allow_negative_numbers = true)]
     pub env: Option<EnvArg>,
 
     /// Turn the environment about the vertical axis, in degrees

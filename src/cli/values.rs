@@ -111,8 +111,11 @@ pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     if let Ok(radiance) = parts.iter().map(|part| positive(part)).collect::<Result<Vec<f32>, _>>() {
         return match radiance[..] {
+            [grey] => Ok(EnvArg::Constant(Vec3::splat(grey))),
             [r, g, b] => Ok(EnvArg::Constant(Vec3::new(r, g, b))),
-            _ => Err("a radiance has three parts: red,green,blue".to_owned()),
+            _ => {
+                Err("a radiance has three parts, red,green,blue, or is one number, which is grey".to_owned())
+            }
         };
     }
     let path = PathBuf::from(text);
@@ -121,7 +124,7 @@ pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
         Some("hdr" | "exr") => Ok(EnvArg::File(path)),
         Some(other) => Err(format!("a .{other} file is no environment; .hdr and .exr are")),
         None => Err(format!(
-            "{}; besides those, a .hdr or .exr file or a radiance R,G,B of at least 0",
+            "{}; besides those, a .hdr or .exr file or a radiance, R,G,B or one number, of at least 0",
             names::unknown("environment", text, ["studio", "none"])
         )),
     }
@@ -272,10 +275,13 @@ mod tests {
         }
         assert_eq!(environment("studio"), Ok(EnvArg::Studio));
         assert_eq!(environment("1, .5,0"), Ok(EnvArg::Constant(Vec3::new(1.0, 0.5, 0.0))));
+        assert_eq!(environment("1"), Ok(EnvArg::Constant(Vec3::ONE)));
+        assert_eq!(environment(" .25"), Ok(EnvArg::Constant(Vec3::splat(0.25))));
         assert_eq!(environment("a,b.hdr"), Ok(EnvArg::File("a,b.hdr".into())));
         for (wrong, advice) in [
             ("1,2", "three"),
             ("1,-2,3", "at least 0"),
+            ("-1", "at least 0"),
             ("studoi", "studio"),
             ("sky.jpg", ".hdr"),
             ("nan,1,1", "R,G,B"),

@@ -77,7 +77,7 @@ fn subsurface_refuses_what_cannot_be() {
         (json!({"scatterAnisotropy": 1}), "/scatterAnisotropy: 1 is not below 1"),
         (json!({"scatterAnisotropy": -1.5}), "/scatterAnisotropy: -1.5 is not above -1"),
         (json!({"priority": 0.5}), "/priority: 0.5 is not an integer of 32 bits"),
-        (json!(null), ": null where an object is expected"),
+        (json!([]), ": an array where an object is expected"),
     ] {
         assert_eq!(refused(&material(json!({OURS: own}))), format!("{place}{expected}"));
     }

@@ -18,7 +18,7 @@ pub mod tonemap;
 mod write;
 
 pub use format::{Format, UnknownFormat};
-pub use read::{ReadError, read_exr};
+pub use read::{ReadError, decode, read_bytes, read_exr};
 pub use tonemap::ToneMap;
 pub use write::{WriteError, WriteOptions, WriteReport, write};
 

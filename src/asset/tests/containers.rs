@@ -74,6 +74,92 @@ fn oddities_are_told_and_strict_refuses_them() {
     }
 }
 
+/// Optional properties of the format and of extensions; some exporters write `null` where they have nothing to say.
+const OPTIONAL: [&str; 44] = [
+    "name",
+    "extras",
+    "extensions",
+    "extensionsUsed",
+    "extensionsRequired",
+    "animations",
+    "cameras",
+    "skins",
+    "images",
+    "samplers",
+    "textures",
+    "skin",
+    "camera",
+    "mesh",
+    "weights",
+    "children",
+    "matrix",
+    "translation",
+    "rotation",
+    "scale",
+    "byteOffset",
+    "byteStride",
+    "target",
+    "normalized",
+    "sparse",
+    "indices",
+    "material",
+    "mode",
+    "targets",
+    "doubleSided",
+    "alphaMode",
+    "alphaCutoff",
+    "emissiveFactor",
+    "emissiveTexture",
+    "normalTexture",
+    "baseColorFactor",
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "thicknessTexture",
+    "attenuationDistance",
+    "transmissionTexture",
+    "scatterAnisotropy",
+    "scatterStrengthTexture",
+    "multiscatterColorTexture",
+];
+
+fn fill_with_null(value: &mut Value) {
+    match value {
+        Value::Object(object) => {
+            object.values_mut().for_each(fill_with_null);
+            for key in OPTIONAL {
+                object.entry(key).or_insert(Value::Null);
+            }
+        }
+        Value::Array(array) => array.iter_mut().for_each(fill_with_null),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_property_that_is_null_is_absent() {
+    let b = Builder::with_material(json!({
+        "pbrMetallicRoughness": {"metallicFactor": 0},
+        "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 1},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationColor": [0.5, 0.5, 0.5]},
+            "KHR_materials_scatter": {"multiscatterColorFactor": [0.5, 0.5, 0.5]},
+            "NEPHRITE_materials_subsurface": {"ior": 1.3},
+        },
+    }));
+    let plain = b.loaded();
+    let mut filled = b.document();
+    fill_with_null(&mut filled);
+    let loaded = load_json(&filled, &LoadOptions::default()).expect("it loads");
+    assert_eq!(format!("{:?}", loaded.scene), format!("{:?}", plain.scene));
+    let (notes, rest): (Vec<_>, Vec<_>) =
+        loaded.diagnostics.into_iter().partition(|d| d.message.contains("counts as absent: `"));
+    assert_eq!((notes.len(), notes[0].severity), (1, Severity::Note));
+    assert_eq!(rest, plain.diagnostics);
+    // Of two the last counts, also where it is null.
+    let twice = br#"{"asset":{"version":"2.0"},"scene":7,"scene":null}"#.to_vec();
+    assert!(bytes(twice).is_ok());
+}
+
 #[test]
 fn only_version_2() {
     for (asset, ok) in [

@@ -7,6 +7,7 @@
 mod layout;
 mod parse;
 
+use crate::asset::container::without_nulls;
 use layout::Layout;
 use parse::Parser;
 use serde_json::Value;
@@ -112,25 +113,29 @@ impl std::fmt::Display for Node<'_> {
 }
 
 impl<'a> Node<'a> {
-    /// The value as data; `None` for a number that a double cannot hold.
+    /// The value as data, without members that are `null`, as the loader reads it; `None` for a number that a double cannot
+    /// hold.
     pub fn value(&self) -> Option<Value> {
-        serde_json::from_str(&self.to_string()).ok()
+        let mut value = serde_json::from_str(&self.to_string()).ok()?;
+        without_nulls(&mut value);
+        Some(value)
     }
 
-    /// The member of that key; of several the last, which is the one that counts.
+    /// The member of that key; of several the last, which is the one that counts. One that is `null` counts as absent.
     pub fn get(&self, key: &str) -> Option<&Node<'a>> {
-        match self {
-            Self::Object(list) => list.entries.iter().rev().find(|e| e.is(key)).map(|e| &e.value),
-            _ => None,
-        }
+        let Self::Object(list) = self else { return None };
+        list.entries.iter().rev().find(|e| e.is(key)).map(|e| &e.value).filter(|value| !value.is_null())
     }
 
     /// [`Node::get`], to be changed.
     pub fn get_mut(&mut self, key: &str) -> Option<&mut Node<'a>> {
-        match self {
-            Self::Object(list) => list.entries.iter_mut().rev().find(|e| e.is(key)).map(|e| &mut e.value),
-            _ => None,
-        }
+        let Self::Object(list) = self else { return None };
+        let found = list.entries.iter_mut().rev().find(|e| e.is(key));
+        found.map(|e| &mut e.value).filter(|value| !value.is_null())
+    }
+
+    fn is_null(&self) -> bool {
+        matches!(self, Self::Scalar(text) if text == "null")
     }
 
     /// Entry `index` of an array, to be changed.

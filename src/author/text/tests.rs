@@ -56,3 +56,15 @@ fn of_equal_keys_the_last_counts() {
     assert!(tree.root_mut().remove("a"));
     assert_eq!(tree.to_string(), "{}");
 }
+
+#[test]
+fn a_member_that_is_null_is_absent_and_is_filled_in_its_place() {
+    let text = r#"{"a": null, "b": {"c": null, "d": [null, 1]}}"#;
+    let mut tree = Tree::parse(text).unwrap();
+    assert!(tree.root().get("a").is_none());
+    assert_eq!(tree.root().value(), Some(json!({"b": {"d": [null, 1]}})));
+    assert_eq!(tree.to_string(), text);
+    tree.root_mut().object_mut("a").unwrap().set("x", &json!(1));
+    let back: Value = serde_json::from_str(&tree.to_string()).unwrap();
+    assert_eq!(back, json!({"a": {"x": 1}, "b": {"c": null, "d": [null, 1]}}));
+}
