@@ -143,10 +143,8 @@ impl Scene {
     fn returned(&self, instance: u32, chord: f32) -> Option<f32> {
         let mesh = self.mesh(instance);
         let index = *mesh.triangle_materials.first()?;
-        let textured =
-            |m: &MediumDescription| m.absorption_texture.is_some() || m.scattering_texture.is_some();
         let uniform = mesh.triangle_materials.iter().all(|&m| m == index)
-            && !self.material(index).medium.as_ref().is_some_and(textured);
+            && !self.material(index).medium.as_ref().is_some_and(MediumDescription::is_textured);
         let medium = self.medium(index).filter(|_| uniform)?;
         let returned = medium.returned(chord).max(Vec3::splat(LEAST_RETURNED));
         Some(3.0 / returned.recip().element_sum()).filter(|r| r.is_finite())
