@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Makes the corpus: small files that have everything.
 
-usage: fuzz/corpus.py (needs Pillow)
+usage: fuzz/corpus.py (needs Pillow, OpenEXR and NumPy)
 
 The samples of this repository keep their documents, but twelve elements of each accessor and a pixel or four of each
 image, so that a mutation meets what matters and a load takes a fraction of a millisecond. `everything.gltf` is written by
-hand; the materials are those of the dictionary. Payloads are streams from the tests and images that Pillow writes.
+hand; the materials are those of the dictionary. Payloads are streams from the tests and images that Pillow writes, environments those that OpenEXR writes and Radiance files by hand.
 """
 import io, json, pathlib, re, struct
+import Imath, numpy, OpenEXR
 from PIL import Image
 
 HERE = pathlib.Path(__file__).parent
@@ -88,7 +89,69 @@ def ktx(vk_format, width, height, scheme, level, model=0):
     return header + bytes(16) + struct.pack("<3Q", 148, len(level), len(level)) + descriptor + level
 
 
+def radiance(folder):
+    """Radiance files of 16 × 8 pixels: flat, the old and the new run lengths, other orders, XYZ."""
+    rows = [[(128 + x, 64 + 8 * y, 32, 129) for x in range(16)] for y in range(8)]
+    flat = b"".join(bytes(p) for row in rows for p in row)
+    new = b""
+    for row in rows:
+        new += bytes([2, 2, 0, 16, 16]) + bytes(p[0] for p in row)
+        new += b"".join(bytes([144, row[0][c]]) for c in (1, 2, 3))
+    old = b"".join(bytes([*row[0], 1, 1, 1, 14, *row[15]]) for row in rows)
+    rgbe, resolution = "FORMAT=32-bit_rle_rgbe", "-Y 8 +X 16"
+    for name, lines, size, pixels in (
+        ("flat.hdr", rgbe, resolution, flat),
+        ("new.hdr", rgbe + "\nEXPOSURE=2\nCOLORCORR=1 2 1", resolution, new),
+        ("old.hdr", "SOFTWARE=x", resolution, old),
+        ("xyz.hdr", "FORMAT=32-bit_rle_xyze", "+Y 8 -X 16", new),
+        ("columns.hdr", rgbe, "-X 8 +Y 16", new),
+    ):
+        (folder / name).write_bytes(f"#?RADIANCE\n{lines}\n\n{size}\n".encode() + pixels)
+
+
+def openexr(folder):
+    """OpenEXR files of 24 × 10 pixels: every compression, tiles, layers, luminance and chroma, a window within another."""
+    noise = numpy.random.default_rng(1)
+    half = lambda *shape: noise.random(shape, dtype=numpy.float32).astype(numpy.float16)
+    c = OpenEXR
+    kinds = {
+        "none": c.NO_COMPRESSION, "rle": c.RLE_COMPRESSION, "zips": c.ZIPS_COMPRESSION, "zip": c.ZIP_COMPRESSION,
+        "piz": c.PIZ_COMPRESSION, "pxr24": c.PXR24_COMPRESSION, "b44": c.B44_COMPRESSION, "b44a": c.B44A_COMPRESSION,
+        "dwaa": c.DWAA_COMPRESSION, "dwab": c.DWAB_COMPRESSION,
+    }
+
+    def write(name, channels, **header):
+        header = {"compression": c.ZIP_COMPRESSION, "type": c.scanlineimage} | header
+        c.File(header, channels).write(str(folder / f"{name}.exr"))
+
+    smooth = numpy.add.outer(numpy.arange(10), numpy.arange(24)).astype(numpy.float16) / 8
+    for name, kind in kinds.items():
+        write(name, {"R": smooth, "G": smooth * 2, "B": smooth / 2}, compression=kind)
+    write("float", {"R": smooth.astype(numpy.float32), "G": half(10, 24).astype(numpy.float32), "B": half(10, 24)})
+    write("tiles", {n: half(10, 24) for n in "RGB"}, type=c.tiledimage, tiles=c.TileDescription())
+    write("layers", {f"ViewLayer.Combined.{n}": half(10, 24) for n in "RGBA"} | {"ViewLayer.Depth.Z": half(10, 24)})
+    windows = {"dataWindow": ((4, 2), (27, 11)), "displayWindow": ((0, 0), (31, 15))}
+    windows = {k: tuple(numpy.array(v, numpy.int32) for v in w) for k, w in windows.items()}
+    write("windows", {n: half(10, 24) for n in "rgb"}, **windows)
+    for name, kind in (("none", 0), ("zip", 3), ("piz", 4), ("pxr24", 5), ("dwaa", 8)):
+        header = OpenEXR.Header(24, 10)
+        header["compression"] = Imath.Compression(kind)
+        channel = lambda step: Imath.Channel(Imath.PixelType(Imath.PixelType.HALF), step, step)
+        header["channels"] = {"Y": channel(1), "RY": channel(2), "BY": channel(2)}
+        file = OpenEXR.OutputFile(str(folder / f"chroma-{name}.exr"), header)
+        few = smooth[::2, ::2]
+        file.writePixels({"Y": smooth.tobytes(), "RY": (few / 8).tobytes(), "BY": (few / -16).tobytes()}, 10)
+        file.close()
+    parts = [c.Part({"type": c.scanlineimage, "compression": c.ZIP_COMPRESSION}, {"Z": half(10, 24)}, "depth"),
+             c.Part({"type": c.scanlineimage, "compression": c.ZIP_COMPRESSION}, {n: half(10, 24) for n in "RGB"}, "rgba")]
+    c.File(parts).write(str(folder / "parts.exr"))
+
+
 def main():
+    environments = HERE / "corpus" / "environments"
+    environments.mkdir(parents=True, exist_ok=True)
+    radiance(environments)
+    openexr(environments)
     for folder in ("loader", "extensions", "payloads"):
         (HERE / "corpus" / folder).mkdir(parents=True, exist_ok=True)
     for path in sorted(ROOT.glob("samples/*/*.glb")):

@@ -1,11 +1,12 @@
-//! The bodies of the three targets.
+//! The bodies of the targets.
 
 use std::path::Path;
 
 use base64::Engine;
+use nephrite::asset::environment::decode_environment;
 use nephrite::asset::{Asset, Limits, LoadOptions, Loaded, Moment};
 use nephrite::author::{AuthoredFile, Form, check, khronos, medium, openpbr, text::Tree};
-use nephrite::scene::{DerivedLimits, Scene, SceneDescription, auto_camera};
+use nephrite::scene::{DerivedLimits, EnvironmentDescription, Scene, SceneDescription, auto_camera};
 use nephrite::transport::{RenderOptions, render};
 use serde_json::{Value, json};
 
@@ -190,6 +191,24 @@ pub fn payloads(bytes: &[u8]) -> bool {
     let Some(Loaded { scene, .. }) = load(&document) else { return false };
     sound::check(&scene);
     !scene.images.is_empty()
+}
+
+/// Most texels of an environment, so that a header of a few bytes takes a megabyte at most.
+const MOST_TEXELS: usize = 1 << 16;
+
+/// Takes the bytes for a Radiance or OpenEXR picture and puts it around a scene. Whether it could be read.
+pub fn environments(bytes: &[u8]) -> bool {
+    let Ok(read) = decode_environment(bytes, MOST_TEXELS) else { return false };
+    sound::check_environment(&read.environment);
+    let EnvironmentDescription::Map { pixels, .. } = &read.environment else { return true };
+    if pixels.len() <= MOST_RENDERED
+        && let Some(Loaded { mut scene, .. }) =
+            load(&square(&json!({"pbrMetallicRoughness": {"metallicFactor": 0}})))
+    {
+        scene.environment = read.environment;
+        picture(scene);
+    }
+    true
 }
 
 fn load(document: &Value) -> Option<Loaded> {

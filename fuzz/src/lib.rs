@@ -9,7 +9,7 @@ pub mod dictionary;
 pub mod mutate;
 pub mod sound;
 
-pub use bodies::{extensions, loader, payloads};
+pub use bodies::{environments, extensions, loader, payloads};
 
 /// A panic inside of a decoder of other people is caught by the loader and is no finding; libFuzzer's hook would end the
 /// program before it is caught.

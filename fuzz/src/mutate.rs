@@ -92,6 +92,57 @@ pub fn payloads(data: &[u8], seed: u64) -> Option<Vec<u8>> {
     Some(rest)
 }
 
+/// Lines of Radiance headers, and sizes.
+const LINES: [&str; 14] = [
+    "FORMAT=32-bit_rle_rgbe",
+    "FORMAT=32-bit_rle_xyze",
+    "EXPOSURE=1e-30",
+    "EXPOSURE=1e300",
+    "EXPOSURE=0.5",
+    "COLORCORR=1 2 4",
+    "PRIMARIES=0.708 0.292 0.17 0.797 0.131 0.046 0.3127 0.329",
+    "PRIMARIES=0 1 0 1e-30 1 0 1 1",
+    "",
+    "-Y 8 +X 16",
+    "+X 16 +Y 8",
+    "-X 8 -Y 1",
+    "+Y 1 +X 128",
+    "-Y 65536 +X 65536",
+];
+
+/// A picture with a line of its header changed, or with odd numbers at any place, as those of headers are not aligned;
+/// `None` where it is too short.
+pub fn environments(file: &[u8], seed: u64) -> Option<Vec<u8>> {
+    let mut random = Random(seed);
+    let mut file = file.to_vec();
+    if file.len() < 16 {
+        return None;
+    }
+    let ends: Vec<usize> = (0..file.len()).filter(|&at| file[at] == b'\n').take(6).collect();
+    if file.starts_with(b"#?") && !ends.is_empty() && random.once_in(2) {
+        let start = ends[random.below(ends.len())] + 1;
+        let end = ends.iter().copied().find(|&end| end >= start).unwrap_or(start);
+        let replace = if random.once_in(2) { start..end.min(file.len()) } else { start..start };
+        let line =
+            [LINES[random.below(LINES.len())].as_bytes(), if replace.is_empty() { b"\n" } else { b"" }]
+                .concat();
+        file.splice(replace, line);
+        return Some(file);
+    }
+    // Headers of OpenEXR have some hundred bytes, and so have the first blocks.
+    let from = if random.once_in(2) { 0 } else { random.below(file.len() - 8) };
+    for _ in 0..=random.below(3) {
+        let width = [8, 4, 2, 1][random.below(4)];
+        let at = from + random.below((file.len() - from).min(640) - width + 1);
+        let word = u64::from(if random.once_in(3) { random.bits() as u32 } else { odd_word(&mut random) });
+        let word = if random.once_in(2) { word } else { word << 16 };
+        if let Some(place) = file.get_mut(at..at + width) {
+            place.copy_from_slice(&word.to_le_bytes()[..width]);
+        }
+    }
+    Some(file)
+}
+
 /// The document and the binary chunk of a GLB whose lengths are sound.
 fn parts(file: &[u8]) -> Option<(&[u8], Vec<u8>)> {
     if !file.starts_with(b"glTF") {

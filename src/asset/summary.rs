@@ -261,7 +261,7 @@ fn material(m: &MaterialDescription) -> MaterialSummary {
             priority: medium.priority,
             mean_free_path: over([1.0; 3]),
             single_scattering_albedo: over(medium.sigma_s.to_array()),
-            textured: medium.absorption_texture.is_some() || medium.scattering_texture.is_some(),
+            textured: medium.is_textured(),
         }
     });
     MaterialSummary {

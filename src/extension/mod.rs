@@ -343,4 +343,6 @@ mod compressed_tests;
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]
+mod scatter_tests;
+#[cfg(test)]
 mod tests;

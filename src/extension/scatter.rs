@@ -9,11 +9,11 @@
 
 use glam::Vec3;
 
-use super::{Extension, order};
+use super::{Extension, dispersion, order};
 use crate::asset::{AssetError, Json, Loader, MutableProperty, PropertyKind};
 use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
 use crate::scene::layers::ThinScatter;
-use crate::scene::{ColorSpace, MaterialDescription};
+use crate::scene::{ColorSpace, MaterialDescription, MultiScatter, TextureRef};
 
 /// Stands for the anisotropy ±1, which files have and at which scattering changes nothing.
 const MOST_ANISOTROPIC: f64 = 0.999;
@@ -53,16 +53,17 @@ impl Extension for Scatter {
     }
 
     fn shortfall(&self) -> Option<&str> {
-        Some("a draft; its textures are ignored in volumes")
+        Some("a draft, which may still change")
     }
 
     fn material(
         &self,
         loader: &mut Loader<'_>,
         own: &Json<'_>,
-        _: &Json<'_>,
+        material: &Json<'_>,
         out: &mut MaterialDescription,
     ) -> Result<(), AssetError> {
+        exclusions(loader, own, material);
         let strength = spelling(loader, own, &["scatterStrengthFactor", "scatterFactor"])?;
         let strength = loader.factor(own, strength, 0.0, 0.0..=1.0)?;
         let color =
@@ -73,13 +74,19 @@ impl Extension for Scatter {
             let anisotropy = own.f64("scatterAnisotropy")?.unwrap_or(0.0).clamp(-1.0, 1.0) as f32;
             out.layers_mut().thin_scatter = Some(ThinScatter {
                 strength,
-                strength_texture: loader.texture_slot(own, "scatterStrengthTexture", ColorSpace::Linear)?,
+                strength_texture: strength_texture(loader, own)?,
                 color,
-                color_texture: loader.texture_slot(own, "multiscatterColorTexture", ColorSpace::Srgb)?,
+                color_texture: color_texture(loader, own)?,
                 anisotropy,
             });
         } else if strength > 0.0 {
-            split(loader, own, out, color * strength, g, g);
+            let split_by = MultiScatter {
+                rho: color * strength,
+                mapping_anisotropy: g,
+                strength_texture: strength_texture(loader, own)?,
+                color_texture: color_texture(loader, own)?,
+            };
+            split(loader, own, material, out, g, split_by)?;
         }
         Ok(())
     }
@@ -120,21 +127,24 @@ impl Extension for VolumeScatter {
     }
 
     fn shortfall(&self) -> Option<&str> {
-        Some("a draft; its textures are ignored")
+        Some("a draft, which KHR_materials_scatter replaces")
     }
 
     fn material(
         &self,
         loader: &mut Loader<'_>,
         own: &Json<'_>,
-        _: &Json<'_>,
+        material: &Json<'_>,
         out: &mut MaterialDescription,
     ) -> Result<(), AssetError> {
         let color =
             spelling(loader, own, &["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"])?;
         let color = Vec3::from(loader.factors(own, color, [0.0; 3], 0.0..=1.0)?);
         let g = anisotropy(loader, own)?;
-        split(loader, own, out, color, g, 0.0);
+        let color_texture = color_texture(loader, own)?;
+        let split_by =
+            MultiScatter { rho: color, mapping_anisotropy: 0.0, strength_texture: None, color_texture };
+        split(loader, own, material, out, g, split_by)?;
         Ok(())
     }
 }
@@ -162,29 +172,63 @@ fn anisotropy(loader: &mut Loader<'_>, own: &Json<'_>) -> Result<f32, AssetError
     Ok(g.clamp(-MOST_ANISOTROPIC, MOST_ANISOTROPIC) as f32)
 }
 
-/// Splits the extinction of the medium into scattering and absorption. `g` is the anisotropy of the medium, and
-/// `mapping_g` that of the mapping from the multi-scatter albedo `rho`.
+/// Tells of extensions that the draft takes the place of, or that leave nothing for it to do.
+fn exclusions(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>) {
+    for (name, why) in [
+        ("KHR_materials_volume_scatter", "which it replaces; this one counts"),
+        ("KHR_materials_diffuse_transmission", "which it replaces; what lets light in counts of that one"),
+        ("KHR_materials_unlit", "which shows no light at all"),
+        ("KHR_materials_pbrSpecularGlossiness", "which no other extension of a material may be used with"),
+    ] {
+        if material.extension(name).is_some() {
+            loader.warn(own.pointer(), format!("is not to be used together with {name}, {why}"), None);
+        }
+    }
+}
+
+fn strength_texture(loader: &mut Loader<'_>, own: &Json<'_>) -> Result<Option<TextureRef>, AssetError> {
+    let key = spelling(loader, own, &["scatterStrengthTexture", "scatterTexture"])?;
+    loader.texture_slot(own, key, ColorSpace::Linear)
+}
+
+fn color_texture(loader: &mut Loader<'_>, own: &Json<'_>) -> Result<Option<TextureRef>, AssetError> {
+    loader.texture_slot(own, "multiscatterColorTexture", ColorSpace::Srgb)
+}
+
+/// Splits the extinction of the medium, whose anisotropy is `g`, into scattering and absorption.
 fn split(
     loader: &mut Loader<'_>,
     own: &Json<'_>,
+    material: &Json<'_>,
     out: &mut MaterialDescription,
-    rho: Vec3,
     g: f32,
-    mapping_g: f32,
-) {
-    for key in ["scatterStrengthTexture", "multiscatterColorTexture"] {
-        if own.get(key).is_some() {
-            loader.warn(&own.pointer_to(key), "the texture is ignored; its factor alone counts", None);
-        }
-    }
+    by: MultiScatter,
+) -> Result<(), AssetError> {
     let Some(medium) = &mut out.medium else {
         let advice =
             "give the material KHR_materials_transmission and a KHR_materials_volume.thicknessFactor";
         loader.warn(own.pointer(), "there is no volume that could scatter, so this is ignored", Some(advice));
-        return;
+        return Ok(());
     };
     let sigma_t = medium.sigma_a + medium.sigma_s;
-    medium.sigma_s = sigma_t * rho.map(|r| single_from_multiple(r, mapping_g));
-    medium.sigma_a = sigma_t * rho.map(|r| absorbed_from_multiple(r, mapping_g));
+    let clear: Vec<&str> = (["red", "green", "blue"].into_iter().enumerate())
+        .filter(|&(k, _)| by.rho[k] > 0.0 && sigma_t[k] <= 0.0)
+        .map(|(_, name)| name)
+        .collect();
+    if !clear.is_empty() {
+        loader.warn(
+            own.pointer(),
+            format!("{} cannot scatter: the volume attenuates nothing of it", clear.join(" and ")),
+            Some("scattering is a share of attenuation: state an attenuationDistance and an attenuationColor below 1"),
+        );
+    }
+    medium.sigma_s = sigma_t * by.rho.map(|r| single_from_multiple(r, by.mapping_anisotropy));
+    medium.sigma_a = sigma_t * by.rho.map(|r| absorbed_from_multiple(r, by.mapping_anisotropy));
     medium.anisotropy = g;
+    let has_textures = by.strength_texture.is_some() || by.color_texture.is_some();
+    medium.multi_scatter = has_textures.then(|| Box::new(by));
+    if medium.sigma_s.max_element() > 0.0 {
+        dispersion::tell_beside_scattering(loader, material)?;
+    }
+    Ok(())
 }

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::volume::MAX_COEFFICIENT;
-use super::{Extension, ior, order, transmission};
+use super::{Extension, dispersion, ior, order, transmission};
 use crate::asset::PropertyKind::{self, Float, Float3};
 use crate::asset::{AssetError, Json, Loader, MutableProperty};
 use crate::scene::{AlphaMode, ColorSpace, MaterialDescription, MediumDescription};
@@ -110,6 +110,9 @@ impl Extension for Subsurface {
             out.transmission = 1.0;
         }
         warn(loader, own, material, out);
+        if sigma_s.max_element() > 0.0 {
+            dispersion::tell_beside_scattering(loader, material)?;
+        }
         let densest = (sigma_a + sigma_s).max_element();
         if densest * SHORTEST_FREE_PATH > 1.0 {
             let message =
@@ -124,6 +127,7 @@ impl Extension for Subsurface {
             priority,
             absorption_texture,
             scattering_texture,
+            multi_scatter: None,
         });
         Ok(())
     }

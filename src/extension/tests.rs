@@ -318,6 +318,7 @@ impl Extension for Fog {
             priority: 0,
             absorption_texture: None,
             scattering_texture: None,
+            multi_scatter: None,
         });
         Ok(())
     }

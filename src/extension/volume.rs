@@ -57,6 +57,7 @@ impl Extension for Volume {
             priority: 0,
             absorption_texture: None,
             scattering_texture: None,
+            multi_scatter: None,
         });
         Ok(())
     }

@@ -181,8 +181,7 @@ impl Default for MaterialDescription {
 impl MaterialDescription {
     /// Every place that refers to a texture, those of the medium included.
     pub fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
-        let medium =
-            self.medium.iter_mut().flat_map(|m| [&mut m.absorption_texture, &mut m.scattering_texture]);
+        let medium = self.medium.iter_mut().flat_map(MediumDescription::texture_slots_mut);
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,
@@ -200,7 +199,7 @@ impl MaterialDescription {
 
     /// Every texture in use, those of the medium included.
     pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
-        let medium = self.medium.iter().flat_map(|m| [&m.absorption_texture, &m.scattering_texture]);
+        let medium = self.medium.iter().flat_map(MediumDescription::texture_slots);
         [
             &self.base_color_texture,
             &self.metallic_roughness_texture,
@@ -235,6 +234,41 @@ pub struct MediumDescription {
     pub absorption_texture: Option<TextureRef>,
     /// Multiplies `sigma_s` at the nearest boundary point.
     pub scattering_texture: Option<TextureRef>,
+    /// Splits the extinction `sigma_a + sigma_s` anew at the nearest boundary point, instead of those two textures.
+    pub multi_scatter: Option<Box<MultiScatter>>,
+}
+
+/// A medium of the Khronos drafts whose albedo comes from textures: extinction is the same everywhere, and how much of it
+/// scatters follows from the multi-scatter albedo ρ at each place.
+#[derive(Clone, Debug)]
+pub struct MultiScatter {
+    /// ρ before textures, which are at most 1.
+    pub rho: Vec3,
+    /// The anisotropy in the step from ρ to the single-scattering albedo.
+    pub mapping_anisotropy: f32,
+    /// Its alpha multiplies ρ.
+    pub strength_texture: Option<TextureRef>,
+    /// Its colour multiplies ρ.
+    pub color_texture: Option<TextureRef>,
+}
+
+impl MediumDescription {
+    /// Whether coefficients come from textures.
+    pub fn is_textured(&self) -> bool {
+        self.texture_slots().any(Option::is_some)
+    }
+
+    /// Every place that may refer to a texture.
+    pub fn texture_slots(&self) -> impl Iterator<Item = &Option<TextureRef>> {
+        let split = self.multi_scatter.iter().flat_map(|m| [&m.strength_texture, &m.color_texture]);
+        [&self.absorption_texture, &self.scattering_texture].into_iter().chain(split)
+    }
+
+    fn texture_slots_mut(&mut self) -> impl Iterator<Item = &mut Option<TextureRef>> {
+        let split =
+            self.multi_scatter.iter_mut().flat_map(|m| [&mut m.strength_texture, &mut m.color_texture]);
+        [&mut self.absorption_texture, &mut self.scattering_texture].into_iter().chain(split)
+    }
 }
 
 /// A camera: looks along −Z of its own frame, +Y up.

@@ -133,9 +133,7 @@ impl Scene {
     /// [`Object::returned`] of an instance.
     fn returned(&self, instance: u32, chord: f32) -> Option<f32> {
         let &[index] = &self.facts_of(instance).materials[..] else { return None };
-        let textured =
-            |m: &MediumDescription| m.absorption_texture.is_some() || m.scattering_texture.is_some();
-        let uniform = !self.material(index).medium.as_ref().is_some_and(textured);
+        let uniform = !self.material(index).medium.as_ref().is_some_and(MediumDescription::is_textured);
         let medium = self.medium(index).filter(|_| uniform)?;
         let returned = medium.returned(chord).max(Vec3::splat(LEAST_RETURNED));
         Some(3.0 / returned.recip().element_sum()).filter(|r| r.is_finite())

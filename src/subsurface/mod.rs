@@ -55,7 +55,7 @@ use crate::light::LightSample;
 use crate::optics::diffusion::{Coefficients, Cosines, RadialProfile, ScaleFit};
 use crate::optics::{ExitLobe, HenyeyGreenstein, Medium};
 use crate::sampling::Sampler;
-use crate::scene::{Object, Scene, Surface};
+use crate::scene::{MediumDescription, Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
 
@@ -126,7 +126,7 @@ impl Flight<'_> {
     /// Whether coefficients come from textures.
     pub fn is_textured(&self) -> bool {
         let medium = self.scene.material(self.enclosure.material).medium.as_ref();
-        medium.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
+        medium.is_some_and(MediumDescription::is_textured)
     }
 }
 

@@ -36,7 +36,7 @@ use super::{Aimed, Arrival, Connection, Connector, Flight, PathHead, Propagator,
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::Medium;
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{MediumDescription, Scene};
 use glam::{Vec3, Vec3A};
 
 /// The ground truth.
@@ -113,7 +113,7 @@ impl Propagator for Walker {
     ) -> Arrival {
         let material = flight.scene.material(flight.enclosure.material);
         let textures = material.medium.as_ref();
-        if textures.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some()) {
+        if textures.is_some_and(MediumDescription::is_textured) {
             return textured::propagate(flight, head, sampler, connector);
         }
         match (&flight.object.distance, flight.connection) {

@@ -2,7 +2,8 @@
 //!
 //! σ at an interior point is that of its nearest boundary point, so the medium is a function of position, the same for
 //! every path. Textures multiply the factors and are at most 1, so the factors bound them: tentative collisions are
-//! drawn from one majorant M = max_k σt_k, and each is real or null.
+//! drawn from one majorant M = max_k σt_k, and each is real or null. Media of the Khronos drafts keep their extinction, and
+//! textures of their multi-scatter albedo ρ say how much of it scatters: ρ is looked up first, and σs follows from it there.
 //!
 //! **Spectral weights** (null-scattering path integral, Miller, Georgiev & Jarosz 2019). At a tentative collision let
 //! σn = M − σt ≥ 0 for each channel. It is real with probability P = Σβσs / Σβ(σs + σn), and then
@@ -21,10 +22,11 @@ use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
 use super::steps::{scatter, survival};
 use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
+use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
 use crate::sampling::{Sampler, SmallRng};
 use crate::scene::{Scene, Surface};
 use crate::transport::Enclosure;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Room for rounding in distances, so that a bound cannot exclude the very point that it came from.
 const SLACK: f32 = 1e-4;
@@ -67,9 +69,18 @@ impl<'a> TexturedMedium<'a> {
             footprint: 0.0,
         };
         let factor = |texture: &Option<_>| match texture {
-            Some(t) => point.texture(self.scene, t).truncate().clamp(Vec3::ZERO, Vec3::ONE),
-            None => Vec3::ONE,
+            Some(t) => point.texture(self.scene, t).clamp(Vec4::ZERO, Vec4::ONE),
+            None => Vec4::ONE,
         };
+        if let Some(split) = &medium.multi_scatter {
+            let rho = split.rho * factor(&split.color_texture).truncate() * factor(&split.strength_texture).w;
+            let sigma_t = medium.sigma_a + medium.sigma_s;
+            return (
+                sigma_t * rho.map(|r| absorbed_from_multiple(r, split.mapping_anisotropy)),
+                sigma_t * rho.map(|r| single_from_multiple(r, split.mapping_anisotropy)),
+            );
+        }
+        let factor = |texture: &Option<_>| factor(texture).truncate();
         (
             medium.sigma_a * factor(&medium.absorption_texture),
             medium.sigma_s * factor(&medium.scattering_texture),

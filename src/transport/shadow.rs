@@ -15,7 +15,7 @@ use crate::geometry::{Hit, ROUNDING, Ray, offset_origin};
 use crate::light::{LightPoint, LightSample};
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::sampling::Sampler;
-use crate::scene::{AlphaMode, Surface};
+use crate::scene::{AlphaMode, MediumDescription, Surface};
 use crate::subsurface::{Start, TexturedMedium};
 use glam::Vec3;
 
@@ -168,9 +168,7 @@ impl PathTracer<'_> {
         let Some(e) = stack.current() else { return Vec3::ONE };
         let Some(medium) = self.scene.medium(e.material) else { return Vec3::ONE };
         let description = self.scene.material(e.material).medium.as_ref();
-        if description.is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some())
-            && length.is_finite()
-        {
+        if description.is_some_and(MediumDescription::is_textured) && length.is_finite() {
             let mut textured = TexturedMedium::new(self.scene, e);
             return textured.transmittance(origin, direction, length, sampler.rng());
         }

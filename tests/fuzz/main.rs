@@ -92,3 +92,8 @@ fn mutated_materials_end_well() {
 fn mutated_payloads_end_well() {
     smoke("payloads", fuzzing::payloads, fuzzing::mutate::payloads, 10_000, 0.3);
 }
+
+#[test]
+fn mutated_environments_end_well() {
+    smoke("environments", fuzzing::environments, fuzzing::mutate::environments, 10_000, 0.1);
+}

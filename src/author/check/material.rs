@@ -38,10 +38,7 @@ fn fallback(json: &Value, material: &MaterialDescription, found: &mut Vec<Diagno
         ));
         return;
     }
-    let textured = material
-        .medium
-        .as_ref()
-        .is_some_and(|m| m.absorption_texture.is_some() || m.scattering_texture.is_some());
+    let textured = material.medium.as_ref().is_some_and(MediumDescription::is_textured);
     let (Some(ours), Some(theirs)) = (nephrite::read(json), khronos::read(json)) else { return };
     let differences = ours.medium.differences(&theirs.medium, VISIBLE);
     if let Some(first) = differences.first().filter(|_| !textured) {

@@ -121,7 +121,7 @@ fn coefficients(material: usize, medium: &MediumDescription) -> MediumReport {
         mean_free_path: stopped(sigma_t.recip().to_array()),
         single_scattering_albedo: stopped(albedo.to_array()),
         effective_albedo: stopped(albedo.to_array().map(|a| effective_albedo(a, medium.anisotropy))),
-        textured: medium.absorption_texture.is_some() || medium.scattering_texture.is_some(),
+        textured: medium.is_textured(),
         objects: Vec::new(),
     }
 }
@@ -172,6 +172,7 @@ mod tests {
             priority: 0,
             absorption_texture: None,
             scattering_texture: None,
+            multi_scatter: None,
         };
         let report = coefficients(0, &medium);
         assert_eq!(report.mean_free_path, [None, Some(0.25), None]);

@@ -107,6 +107,7 @@ fn render(
         priority: 0,
         absorption_texture: None,
         scattering_texture: None,
+        multi_scatter: None,
     };
     let material = MaterialDescription {
         metallic: 0.0,

@@ -55,6 +55,7 @@ pub(super) fn build(c: &Coefficients) -> (SceneDescription, u32) {
         priority: 0,
         absorption_texture: None,
         scattering_texture: None,
+        multi_scatter: None,
     };
     let material = MaterialDescription {
         metallic: 0.0,
