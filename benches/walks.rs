@@ -77,6 +77,7 @@ fn main() {
         priority: 0,
         absorption_texture: None,
         scattering_texture: None,
+        multi_scatter: None,
     };
     let scene = Scene::build(SceneDescription {
         meshes: vec![MeshDescription {
