@@ -26,6 +26,8 @@ pub(super) const NONE: u32 = u32::MAX;
 const MOST_EQUAL: usize = 16;
 /// How far they are moved at most, relative to their coordinates: enough to differ, too little to look nearer to others.
 const JITTER: f32 = 1.0 / 65_536.0;
+/// Coordinates that count as at least this large, so that areas of what lies apart by the jitter do not vanish.
+const LEAST_SIZE: f32 = 1e-10;
 
 /// Part of the binary nodes that are tried elsewhere in the tree.
 const REINSERTED: f32 = 0.02;
@@ -119,7 +121,7 @@ fn build_binary(boxes: &[Aabb], bounds: &Aabb) -> Bvh2 {
     tree
 }
 
-/// Moves boxes that are in one place apart, by a few roundings.
+/// Moves boxes that are in one place apart, by some roundings.
 ///
 /// Clusters are merged where each is the other's nearest. Of boxes that are all equal every one would take the first for its
 /// nearest, so that each round merges one pair, and time is quadratic.
@@ -133,7 +135,7 @@ fn tell_apart(boxes: &mut [ScaledBox]) {
             let b = &mut boxes[i as usize].0;
             let hash = u64::from(i).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let part = |bits: u64| ((hash >> bits) & 0xffff) as f32 / 65_536.0;
-            let size = b.min.abs().max(b.max.abs()).max_element().max(f32::MIN_POSITIVE);
+            let size = b.min.abs().max(b.max.abs()).max_element().max(LEAST_SIZE);
             let by = Vec3A::new(part(16), part(32), part(48)) * (JITTER * size);
             (b.min, b.max) = (b.min + by, b.max + by);
         }

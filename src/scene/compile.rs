@@ -298,7 +298,7 @@ fn turn_normals(mesh: &mut MeshDescription, touched: &[bool]) {
     }
 }
 
-/// Enclosed volume of a closed mesh, by the divergence theorem.
+/// A medium without its textures.
 fn medium(m: &MediumDescription) -> Medium {
     Medium::new(m.sigma_a, m.sigma_s, m.anisotropy, m.ior, m.priority)
 }

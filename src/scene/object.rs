@@ -75,6 +75,9 @@ impl Scene {
             order.push((priority, -volume, i as u32));
         }
         order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        if order.is_empty() {
+            return;
+        }
         let mut distances: HashMap<usize, Arc<DistanceBound>> = HashMap::new();
         let instances = 0..self.description.instances.len() as u32;
         let all = BoxTree::build(instances.map(|i| self.geometry.instance_bounds(i)).collect());

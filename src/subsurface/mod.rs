@@ -119,8 +119,7 @@ impl Flight<'_> {
         if !self.object.closed {
             return Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
         }
-        let (geometry, instance) = (&self.scene.geometry, self.enclosure.instance);
-        geometry.transform(instance).bounds(&geometry.mesh_of(instance).bounds())
+        self.scene.geometry.instance_bounds(self.enclosure.instance)
     }
 
     /// Whether coefficients come from textures.
