@@ -20,7 +20,7 @@
 
 use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
 use super::steps::{scatter, survival};
-use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
+use super::{Aim, Aimed, Arrival, BETWEEN_QUESTIONS, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
 use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
 use crate::sampling::{Sampler, SmallRng};
@@ -202,7 +202,8 @@ pub(super) fn propagate(
             }
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
+        let asked = head.events.is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
             return Arrival::Ended;
         }
     }

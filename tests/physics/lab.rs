@@ -124,6 +124,7 @@ pub fn subsurface(sigma_a: Vec3, sigma_s: Vec3, g: f32, ior: f32, roughness: f32
             priority: 0,
             absorption_texture: None,
             scattering_texture: None,
+            multi_scatter: None,
         }),
         ..Default::default()
     }

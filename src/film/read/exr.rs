@@ -101,7 +101,7 @@ fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
             let name = channel.name.to_string();
             let (layer, last) = name.rsplit_once('.').unwrap_or(("", &name));
             let same = |role: &&str| if exact { *role == last } else { role.eq_ignore_ascii_case(last) };
-            let Some(role) = ROLES.iter().position(|names| names.iter().any(|name| same(name))) else {
+            let Some(role) = ROLES.iter().position(|names| names.iter().any(same)) else {
                 continue;
             };
             let at = *by_name.entry(layer.to_owned()).or_insert_with(|| {
