@@ -32,7 +32,10 @@ use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::sphere_jumps::{Jumping, SphereJumps};
 use super::steps::{placed, scatter, survival};
-use super::{Aimed, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
+use super::{
+    Aimed, Arrival, BETWEEN_QUESTIONS, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel,
+    textured,
+};
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::Medium;
 use crate::sampling::Sampler;
@@ -282,7 +285,7 @@ fn walk_steered<S: Steering>(
         }
         beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
-        if survival == 0.0 || head.events >= flight.budget {
+        if survival == 0.0 || head.events >= flight.budget || flight.stop.asked() {
             break Arrival::Ended;
         }
         beta *= survival;
@@ -354,7 +357,8 @@ fn walk_in_scene(
             return Arrival::Ended;
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
+        let asked = head.events % BETWEEN_QUESTIONS == 0 && flight.stop.asked();
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
             return Arrival::Ended;
         }
     }

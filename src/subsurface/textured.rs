@@ -19,7 +19,7 @@
 
 use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
 use super::steps::{scatter, survival};
-use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
+use super::{Aim, Aimed, Arrival, BETWEEN_QUESTIONS, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
 use crate::sampling::{Sampler, SmallRng};
 use crate::scene::{Scene, Surface};
@@ -186,7 +186,8 @@ pub(super) fn propagate(
             }
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
+        let asked = head.events % BETWEEN_QUESTIONS == 0 && flight.stop.asked();
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
             return Arrival::Ended;
         }
     }

@@ -11,7 +11,7 @@ use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Camera, Footprint, Object, Scene};
-use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
+use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator, Stop};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
@@ -29,6 +29,7 @@ pub(super) struct PathTracer<'a> {
     /// The media around the camera.
     pub surroundings: &'a Surroundings,
     pub counters: Cell<Counters>,
+    pub stop: Stop<'a>,
 }
 
 impl PathTracer<'_> {
@@ -92,7 +93,7 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> Option<Caught> {
-        while path.passes < MOST_PASSES {
+        while path.passes < MOST_PASSES && !self.stop.asked() {
             if path.place.is_some() {
                 if self.meet_in_place(path, radiance, sampler) {
                     continue;
@@ -160,7 +161,8 @@ impl PathTracer<'_> {
         let mut around = path.stack;
         around.leave(enclosure.instance);
         let eta = medium.ior / self.ior_in(&around);
-        let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection };
+        let stop = self.stop;
+        let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection, stop };
         path.head.events = 0;
         path.head.aimed = Aimed::default();
         let mut lights = FlightLights::new(self, path.stack, enclosure);
