@@ -357,7 +357,7 @@ fn walk_in_scene(
             return Arrival::Ended;
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        let asked = head.events % BETWEEN_QUESTIONS == 0 && flight.stop.asked();
+        let asked = head.events.is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
         if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
             return Arrival::Ended;
         }
