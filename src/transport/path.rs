@@ -111,10 +111,7 @@ impl PathTracer<'_> {
             }
             let from = path.head.position;
             let reach = self.reach(path);
-            let mut arrival = self.advance(path, reach, radiance, sampler);
-            if reach < f32::INFINITY && path.direct_view {
-                self.end_of_view(path, reach, &mut arrival);
-            }
+            let arrival = self.advance(path, reach, radiance, sampler);
             if path.direct_view
                 && path.stack.is_empty()
                 && let Some(t) = self.ground_distance(from, path.head.direction, &arrival, reach)
@@ -158,17 +155,23 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Lets a path that is still seen straight out at the far plane: nothing is beyond it, media neither.
-    #[cold]
-    fn end_of_view(&self, path: &mut Path, reach: f32, arrival: &mut Arrival) {
-        if let Arrival::Surface(hit) = arrival
-            && hit.t > reach
-        {
-            *arrival = Arrival::Escaped;
-        }
-        if matches!(arrival, Arrival::Escaped) {
+    /// Nothing is beyond the far plane, media neither.
+    #[inline]
+    fn end_view(&self, path: &mut Path, reach: f32, arrival: &Arrival) {
+        if reach < f32::INFINITY && matches!(arrival, Arrival::Escaped) {
             path.stack = MediumStack::default();
         }
+    }
+
+    /// Lets a path that has flown through a medium without an event out at the far plane.
+    #[cold]
+    fn end_flight(&self, path: &mut Path, reach: f32, arrival: Arrival) -> Arrival {
+        let arrival = match arrival {
+            Arrival::Surface(hit) if hit.t > reach => Arrival::Escaped,
+            other => other,
+        };
+        self.end_view(path, reach, &arrival);
+        arrival
     }
 
     /// Moves the head to where it arrives next. What is seen straight ends after `reach`; flights through media that
@@ -177,7 +180,9 @@ impl PathTracer<'_> {
         let Some((enclosure, medium)) =
             path.stack.current().and_then(|e| Some((e, self.scene.medium(e.material)?)))
         else {
-            return self.straight(path, reach);
+            let arrival = self.straight(path, reach);
+            self.end_view(path, reach, &arrival);
+            return arrival;
         };
         if medium.sigma_s.max_element() <= 0.0 {
             let PathHead { position, direction, start, .. } = path.head;
@@ -193,15 +198,14 @@ impl PathTracer<'_> {
                 path.head.throughput *=
                     self.segment_transmittance(position, direction, length, &path.stack, sampler);
             }
+            self.end_view(path, reach, &arrival);
             return arrival;
         }
         let object = &self.scene.objects[enclosure.instance as usize];
         // An event more than there may be ends the path: the flight after the last one is to arrive.
         let budget = self.options.max_depth.saturating_sub(path.events).saturating_add(1);
         let connection = self.connection(path, object, medium);
-        let mut around = path.stack;
-        around.leave(enclosure.instance);
-        let eta = medium.ior / self.ior_in(&around);
+        let eta = medium.ior / self.ior_of(path.stack.below());
         let stop = self.stop;
         let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection, stop };
         path.head.events = 0;
@@ -224,6 +228,8 @@ impl PathTracer<'_> {
         if events > 0 {
             path.total_reflections = 0;
             path.footprint.forget();
+        } else if reach < f32::INFINITY {
+            return self.end_flight(path, reach, arrival);
         }
         arrival
     }

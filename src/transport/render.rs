@@ -19,6 +19,8 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Samples after which a tile asks whether to stop; long ones ask by themselves.
+const SAMPLES_BETWEEN_QUESTIONS: u32 = 16;
 /// Edge of a tile in pixels.
 const TILE: u32 = 16;
 /// Most samples a pixel in one pass.
@@ -305,6 +307,7 @@ impl Job<'_> {
             stop,
         };
         let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
+        let mut done = 0_u32;
         'pixels: for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {
@@ -315,7 +318,8 @@ impl Job<'_> {
                 if let Some(coverage) = tile.coverage.get_mut(i) {
                     coverage.add(&found);
                 }
-                if stop.asked() {
+                done = done.wrapping_add(1);
+                if done.is_multiple_of(SAMPLES_BETWEEN_QUESTIONS) && stop.asked() {
                     break 'pixels;
                 }
             }
