@@ -232,17 +232,19 @@ impl<'de> Visitor<'de> for Tree<'_> {
             if object.contains_key(&key) && self.0.duplicates.len() < REPORTED {
                 self.0.duplicates.push(key.clone());
             }
-            if value.is_null() {
-                let (keys, count) = &mut self.0.nulls;
-                *count += 1;
-                object.shift_remove(&key);
-                if keys.len() < REPORTED && !keys.contains(&key) {
-                    keys.push(key);
-                }
-                continue;
-            }
             object.insert(key, value);
         }
+        // All at once: taking them out one by one would move what follows each time.
+        let (keys, count) = &mut self.0.nulls;
+        object.retain(|key, value| {
+            if value.is_null() {
+                *count += 1;
+                if keys.len() < REPORTED && !keys.contains(key) {
+                    keys.push(key.clone());
+                }
+            }
+            !value.is_null()
+        });
         Ok(Value::Object(object))
     }
 }

@@ -79,6 +79,7 @@ pub fn read(material: &Value) -> Option<Reading> {
             mapping_g = g;
             scatters = true;
             texture(own, "scatterStrengthTexture");
+            texture(own, "scatterTexture");
             texture(own, "multiscatterColorTexture");
         }
     }

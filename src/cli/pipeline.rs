@@ -158,7 +158,7 @@ pub(super) fn choose_environment(
             let loaded = load_environment(path).map_err(Failure::cannot)?;
             if loaded.replaced_texels > 0 {
                 reporter.warning(format!(
-                    "{}: {} texels are negative or not finite; infinite channels count as 65504, the others as 0",
+                    "{}: {} texels are negative or not finite; channels of +∞ count as 65504, the others as 0",
                     path.display(),
                     loaded.replaced_texels
                 ));

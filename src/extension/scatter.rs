@@ -63,9 +63,9 @@ impl Extension for Scatter {
         material: &Json<'_>,
         out: &mut MaterialDescription,
     ) -> Result<(), AssetError> {
-        exclusions(loader, own, material);
         let strength = spelling(loader, own, &["scatterStrengthFactor", "scatterFactor"])?;
         let strength = loader.factor(own, strength, 0.0, 0.0..=1.0)?;
+        exclusions(loader, own, material, strength);
         let color =
             spelling(loader, own, &["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"])?;
         let color = Vec3::from(loader.factors(own, color, [1.0; 3], 0.0..=1.0)?);
@@ -173,9 +173,14 @@ fn anisotropy(loader: &mut Loader<'_>, own: &Json<'_>) -> Result<f32, AssetError
 }
 
 /// Tells of extensions that the draft takes the place of, or that leave nothing for it to do.
-fn exclusions(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>) {
+fn exclusions(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>, strength: f32) {
+    let counts = if strength > 0.0 {
+        "which it replaces; this one counts"
+    } else {
+        "which it replaces; the other one counts, since the strength is 0"
+    };
     for (name, why) in [
-        ("KHR_materials_volume_scatter", "which it replaces; this one counts"),
+        ("KHR_materials_volume_scatter", counts),
         ("KHR_materials_diffuse_transmission", "which it replaces; what lets light in counts of that one"),
         ("KHR_materials_unlit", "which shows no light at all"),
         ("KHR_materials_pbrSpecularGlossiness", "which no other extension of a material may be used with"),

@@ -146,13 +146,24 @@ mod tests {
         let mut met = 0;
         for _ in 0..300 {
             let mut bounds = some_box(&mut random, 0.5);
-            bounds.min += scene.bounds().center();
-            bounds.max += scene.bounds().center();
-            let boxes = (0..mesh.triangle_count() as u32)
-                .map(|t| Aabb::from_points(&mesh.triangle(t).map(|p| transform.point(p))));
-            let expected = boxes.filter(|b| b.overlaps(&bounds)).fold(Aabb::EMPTY, Aabb::union);
-            assert_eq!(scene.part_within(0, &bounds), expected);
-            met += usize::from(!expected.is_empty());
+            // About as large as the mesh, and near it.
+            bounds.min = scene.bounds().center() + 0.3 * bounds.min;
+            bounds.max = scene.bounds().center() + 0.3 * bounds.max;
+            let found = scene.part_within(0, &bounds);
+            let mut most = Aabb::EMPTY;
+            for t in 0..mesh.triangle_count() as u32 {
+                let corners = mesh.triangle(t).map(|p| transform.point(p));
+                let there = Aabb::from_points(&corners);
+                if there.overlaps(&bounds) {
+                    most = most.union(there);
+                }
+                // Boxes may overlap where the triangle does not; where a corner is inside it surely does.
+                if corners.iter().any(|p| bounds.contains(*p)) {
+                    assert_eq!(found.union(there), found);
+                    met += 1;
+                }
+            }
+            assert_eq!(found.union(most), most);
         }
         assert!(met > 10);
     }

@@ -52,7 +52,7 @@ fn h_functions_are_those_of_another_program() {
 }
 
 const ALBEDO: [f64; 3] = [0.5, 0.9, 0.99];
-/// As deep as light comes, by thousands of its diffusion lengths, and as wide.
+/// As deep as light comes, by dozens of its diffusion lengths, and as wide.
 const DEPTH: f32 = 400.0;
 const WIDTH: f32 = 6000.0;
 

@@ -158,6 +158,17 @@ fn a_property_that_is_null_is_absent() {
     // Of two the last counts, also where it is null.
     let twice = br#"{"asset":{"version":"2.0"},"scene":7,"scene":null}"#.to_vec();
     assert!(bytes(twice).is_ok());
+    let twice = br#"{"asset":{"version":"2.0"},"scene":null,"scene":7}"#.to_vec();
+    assert!(bytes(twice).is_err());
+    // In a time that grows with their number: one by one these took minutes.
+    let begun = std::time::Instant::now();
+    let mut many = String::from(r#"{"asset":{"version":"2.0"},"extras":{"#);
+    for value in ["0", "null"] {
+        (0..200_000).for_each(|i| many.push_str(&format!("\"k{i}\":{value},")));
+    }
+    many.push_str(r#""end":0}}"#);
+    assert!(bytes(many.into_bytes()).is_ok());
+    assert!(begun.elapsed().as_secs() < 20);
 }
 
 #[test]

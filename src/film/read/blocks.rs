@@ -92,8 +92,15 @@ impl Part<'_> {
     /// What of the part can be known to be impossible from its header.
     fn check(&self) -> Result<(), ReadError> {
         let Vec2(x, y) = self.header.own_attributes.layer_position;
+        let in_tiles = matches!(self.header.blocks, BlockDescription::Tiles(_));
         for channel in &self.header.channels.list {
             let Vec2(step_x, step_y) = channel.sampling;
+            if in_tiles && (step_x, step_y) != (1, 1) {
+                return Err(broken(format!(
+                    "channel {} has fewer samples than pixels, which pictures in tiles must not have",
+                    super::exr::shown(&channel.name)
+                )));
+            }
             let fits = |start: i32, size: usize, step: usize| {
                 i64::try_from(step).is_ok_and(|s| s > 0 && i64::from(start) % s == 0)
                     && size.is_multiple_of(step)

@@ -91,9 +91,9 @@ const UNKNOWN: u32 = 6;
 
 /// The pictures of a part, layer by layer; of `several` parts the name counts.
 fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
-    const ROLES: [&[&str]; 8] =
-        [&["R", "red"], &["G", "green"], &["B", "blue"], &["RY"], &["Y"], &["BY"], &["X"], &["Z"]];
-    let mut layers: Vec<(String, [Option<usize>; 8])> = Vec::new();
+    const ROLES: [&[&str]; 7] =
+        [&["R", "red"], &["G", "green"], &["B", "blue"], &["RY"], &["Y"], &["BY"], &["X"]];
+    let mut layers: Vec<(String, [Option<usize>; 7])> = Vec::new();
     let mut by_name: HashMap<String, usize> = HashMap::new();
     // Upper case goes first: where a layer has both R and r, r is something else.
     for exact in [true, false] {
@@ -105,7 +105,7 @@ fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
                 continue;
             };
             let at = *by_name.entry(layer.to_owned()).or_insert_with(|| {
-                layers.push((layer.to_owned(), [None; 8]));
+                layers.push((layer.to_owned(), [None; 7]));
                 layers.len() - 1
             });
             layers[at].1[role].get_or_insert(index);
@@ -114,14 +114,15 @@ fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
     // The name of the only part says nothing.
     let part_name = header.own_attributes.layer_name.as_ref().filter(|_| several);
     let part_name = part_name.map(Text::to_string).unwrap_or_default();
-    let picture = |(layer, roles): (String, [Option<usize>; 8])| {
+    let picture = |(layer, roles): (String, [Option<usize>; 7])| {
         let sampling = |i: Option<usize>| i.map(|i| header.channels.list[i].sampling);
         let full = |i: Option<usize>| sampling(i) == Some(Vec2(1, 1));
-        let [r, g, b, ry, y, by, x, z] = roles;
+        // Z beside Y is depth; X makes both of them coordinates.
+        let [r, g, b, ry, y, by, x] = roles;
         let has_chroma = ry.is_some() && by.is_some() && sampling(ry) == sampling(by);
         let (is_luminance, channels) = if full(r) && full(g) && full(b) {
             (false, [r, g, b])
-        } else if r.or(g).or(b).is_some() || !full(y) || x.or(z).is_some() {
+        } else if r.or(g).or(b).is_some() || !full(y) || x.is_some() {
             return None;
         } else {
             (true, if has_chroma { [ry, y, by] } else { [None, y, None] })

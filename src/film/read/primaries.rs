@@ -16,7 +16,7 @@ pub(super) const REC_709: Primaries =
     Primaries { red: [0.64, 0.33], green: [0.3, 0.6], blue: [0.15, 0.06], white: [0.3127, 0.329] };
 
 /// Chromaticities this close are the same: files round them to three digits.
-const SAME: f64 = 2e-3;
+const SAME: f64 = 1e-3;
 
 /// From XYZ to the responses of cones by Bradford, in which whites are adapted (CIE 159:2004, annex).
 const BRADFORD: DMat3 = DMat3::from_cols(
