@@ -18,7 +18,9 @@ use nephrite::scene::{
     InstanceDescription, MaterialDescription, MediumDescription, MeshDescription, Scene, SceneDescription,
     Surface,
 };
-use nephrite::subsurface::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead, Registry, Start};
+use nephrite::subsurface::{
+    Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead, Registry, Start, Stop,
+};
 use nephrite::{geometry::Hit, transport::Enclosure};
 use obvhs::{BvhBuildParams, cwbvh::builder::build_cwbvh_from_tris, ray::RayHit, triangle::Triangle};
 use std::sync::OnceLock;
@@ -140,6 +142,7 @@ fn main() {
         eta: 1.0,
         budget: u32::MAX,
         connection: Connection::None,
+        stop: Stop::NEVER,
     };
     let ordered = std::env::args().any(|argument| argument == "--ordered");
     let mut turns: [Vec<Tally>; 3] = Default::default();

@@ -14,10 +14,21 @@ mod convert;
 mod edit;
 #[path = "cli/inputs.rs"]
 mod inputs;
+#[cfg(unix)]
+#[path = "cli/machine.rs"]
+mod machine;
+#[cfg(unix)]
+#[path = "cli/outputs.rs"]
+mod outputs;
 #[path = "cli/presets.rs"]
 mod presets;
 #[path = "cli/profile.rs"]
 mod profile;
+#[cfg(unix)]
+#[path = "cli/signals.rs"]
+mod signals;
+#[path = "cli/usage.rs"]
+mod usage;
 mod util;
 #[path = "cli/validate.rs"]
 mod validate;

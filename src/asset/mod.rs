@@ -189,8 +189,7 @@ impl<'a> Loader<'a> {
         let files = self.images_to_decode()?;
         let options = self.options;
         let (decoded, read) = rayon::join(|| files.decode(options), || self.nodes(roots));
-        self.keep_images(decoded);
-        read
+        read.and_then(|()| self.keep_images(decoded))
     }
 
     /// The scene to show: the option, else the file's default, else its first; `None` where it has no scenes.

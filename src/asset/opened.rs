@@ -22,6 +22,8 @@ pub struct Asset {
     nulls: (Vec<String>, u64),
     oddities: Vec<String>,
     bin: Option<Bytes>,
+    /// The file that holds the document; `None` for bytes and streams.
+    path: Option<PathBuf>,
     /// None for a stream.
     folder: Option<PathBuf>,
     file_bytes: u64,
@@ -53,7 +55,8 @@ impl Asset {
     pub fn open(path: &Path, options: &LoadOptions) -> Result<Self, AssetError> {
         let path = &input::document_in(path)?;
         let bytes = uri::document(path, options.limits.file_bytes)?;
-        Self::from_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)
+        let asset = Self::from_bytes(bytes, path.parent().unwrap_or(Path::new("")), options)?;
+        Ok(Self { path: Some(path.clone()), ..asset })
     }
 
     /// Opens the bytes of a file whose relative URIs are below `folder`.
@@ -88,6 +91,7 @@ impl Asset {
             nulls,
             oddities: parts.oddities,
             bin: parts.bin.and_then(|range| bytes.slice(range.start, range.len())),
+            path: None,
             folder,
             file_bytes: bytes.len() as u64,
             options: options.clone(),
@@ -99,6 +103,16 @@ impl Asset {
     pub fn animation_names(&self) -> Vec<Option<&str>> {
         let list = self.document.get("animations").and_then(Value::as_array);
         list.into_iter().flatten().map(|a| a.get("name").and_then(Value::as_str)).collect()
+    }
+
+    /// The paths of the files that it is read from, also of those that are not there.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> = self.path.iter().cloned().collect();
+        if let Some(folder) = &self.folder {
+            let named = uri::named_in(&self.document);
+            files.extend(named.iter().flat_map(|(_, uri)| uri::candidates(folder, uri)));
+        }
+        files
     }
 
     /// Reads the scene at a moment. What is odd about files and images is told the first time only; the origin is that of

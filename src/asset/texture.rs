@@ -103,7 +103,7 @@ impl Loader<'_> {
                 Some(self.scene.textures.len() - 1)
             }
             None => {
-                self.warn(json.pointer(), "has no image that can be used; it is left out", None);
+                self.invalid(json.pointer(), "has no image that can be used; it is left out")?;
                 None
             }
         };
@@ -212,7 +212,7 @@ impl Loader<'_> {
     }
 
     /// Puts decoded images where they belong.
-    pub(crate) fn keep_images(&mut self, decoded: DecodedImages) {
+    pub(crate) fn keep_images(&mut self, decoded: DecodedImages) -> Result<(), AssetError> {
         for (slot, result) in (decoded.first..).zip(decoded.images) {
             match result {
                 Some(Ok(image)) => {
@@ -224,19 +224,22 @@ impl Loader<'_> {
                 }
                 Some(Err(message)) => {
                     let pointer = format!("/images/{}", self.image_sources[slot].image);
-                    let message = format!("the image cannot be decoded and is left out: {message}");
-                    self.warn(&pointer, message, None);
+                    self.invalid(
+                        &pointer,
+                        format!("the image cannot be decoded and is left out: {message}"),
+                    )?;
                 }
                 None => {}
             }
         }
+        Ok(())
     }
 
     /// Decodes the images in use that have not been, and takes back the references to those that cannot be decoded.
     pub(crate) fn decode_images(&mut self) -> Result<(), AssetError> {
         while self.decoded_images < self.image_sources.len() {
             let decoded = self.images_to_decode()?.decode(self.options);
-            self.keep_images(decoded);
+            self.keep_images(decoded)?;
         }
         let textures = &self.scene.textures;
         let usable = &self.usable_images;
@@ -266,7 +269,7 @@ impl Loader<'_> {
             Ok(pixels) => Ok(Some(pixels)),
             Err(message) => {
                 let pointer = format!("/images/{}", source.image);
-                self.warn(&pointer, format!("the image cannot be decoded and is left out: {message}"), None);
+                self.invalid(&pointer, format!("the image cannot be decoded and is left out: {message}"))?;
                 Ok(None)
             }
         }
@@ -285,6 +288,7 @@ impl Loader<'_> {
             (None, Some(uri)) => match self.read_uri(&json.pointer_to("uri"), uri) {
                 Ok(bytes) => bytes,
                 Err(e @ (AssetError::Strict(_) | AssetError::Limit { .. })) => return Err(e),
+                Err(e) if self.options.strict => return Err(e),
                 Err(e) => {
                     let advice = e.advice();
                     let pointer = e.pointer().to_owned();

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use serde_json::Value;
 
 use super::error::{AssetError, shorten};
 use super::spelling::{self, Twin};
@@ -148,6 +149,37 @@ fn unreadable(pointer: &str, uri: &str, path: PathBuf, error: ReadError, limit: 
             field: "file_bytes",
         },
     }
+}
+
+/// Every `uri` of a document that names a file, with its JSON pointer.
+pub(crate) fn named_in(document: &Value) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut stack = vec![(document, String::new())];
+    while let Some((value, pointer)) = stack.pop() {
+        match value {
+            Value::Array(items) => {
+                let items = items.iter().enumerate().filter(|(_, v)| v.is_object() || v.is_array());
+                stack.extend(items.rev().map(|(i, v)| (v, format!("{pointer}/{i}"))));
+            }
+            Value::Object(members) => {
+                if let Some(uri) = members.get("uri").and_then(Value::as_str)
+                    && !uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+                {
+                    found.push((format!("{pointer}/uri"), uri.to_owned()));
+                }
+                let items = members.iter().filter(|(k, v)| *k != "extras" && (v.is_object() || v.is_array()));
+                stack.extend(items.rev().map(|(k, v)| (v, format!("{pointer}/{k}"))));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The paths that a URI may mean, whether or not there are files.
+pub(crate) fn candidates(base: &Path, uri: &str) -> [PathBuf; 2] {
+    let decoded = percent_decode_str(uri).decode_utf8_lossy().into_owned();
+    [decoded, uri.to_owned()].map(|path| base.join(path))
 }
 
 /// The path of a decoded URI, or why it is refused.

@@ -109,28 +109,7 @@ impl AuthoredFile {
 
     /// Every `uri` of the document that names a file beside it, with its JSON pointer.
     pub fn resources(&self) -> Vec<(String, String)> {
-        let mut found = Vec::new();
-        let mut stack = vec![(&self.document, String::new())];
-        while let Some((value, pointer)) = stack.pop() {
-            match value {
-                Value::Array(items) => {
-                    let items = items.iter().enumerate().filter(|(_, v)| v.is_object() || v.is_array());
-                    stack.extend(items.rev().map(|(i, v)| (v, format!("{pointer}/{i}"))));
-                }
-                Value::Object(members) => {
-                    if let Some(uri) = members.get("uri").and_then(Value::as_str)
-                        && !uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
-                    {
-                        found.push((format!("{pointer}/uri"), uri.to_owned()));
-                    }
-                    let items =
-                        members.iter().filter(|(k, v)| *k != "extras" && (v.is_object() || v.is_array()));
-                    stack.extend(items.rev().map(|(k, v)| (v, format!("{pointer}/{k}"))));
-                }
-                _ => {}
-            }
-        }
-        found
+        uri::named_in(&self.document)
     }
 }
 

@@ -4,7 +4,7 @@
 use super::animation::{PlayArgs, ShutterArgs};
 use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
 use super::conformance_args::ConformanceArgs;
-use super::pipeline::{Cosines, Microfacet};
+use super::pipeline::{Cosines, Microfacet, subsurface_models};
 use super::values::*;
 use crate::film::ToneMap;
 use clap::{Parser, Subcommand};
@@ -92,7 +92,7 @@ pub(super) struct SceneArgs {
 
     /// Light from all around: an equirectangular .hdr or .exr, the built-in studio, none, or one radiance; by default
     /// the studio if the file has no lights, else none
-    #[arg(long, value_name = "FILE|studio|none|R,G,B|GREY", value_parser = environment, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FILE|studio|none|R,G,B|GREY", value_parser = environment_parser(), allow_negative_numbers = true)]
     pub env: Option<EnvArg>,
 
     /// Turn the environment about the vertical axis, in degrees
@@ -100,7 +100,7 @@ pub(super) struct SceneArgs {
     pub env_rotation: f32,
 
     /// Multiply the radiance of the environment
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub env_intensity: f32,
 
     /// A ground below the scene: one that is seen only by its shadow, a matte one (color is grey; or give its linear
@@ -164,8 +164,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: u32,
 
-    /// How light travels below surfaces
-    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
+    // The models are listed as the registry has them.
+    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface,
+        help = format!("How light travels below surfaces: {}", subsurface_models().join(", ")))]
     pub subsurface: String,
 
     /// The random walk: exact, or accelerated by jumps where it is deep inside (off by less than 0.5 %); short for
@@ -255,7 +256,7 @@ pub(super) struct ProfileArgs {
     #[arg(long, value_name = "CHANNEL", value_parser = channel)]
     pub channel: Option<ChannelArg>,
 
-    /// Unit of length of coefficients given by numbers, which are its inverse: m or mm
+    /// Unit of length of coefficients given by numbers, which are its inverse: m, cm or mm
     #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
     pub unit: LengthUnit,
 
@@ -298,6 +299,46 @@ pub(super) struct InspectArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+impl Command {
+    /// The threads that were asked for.
+    pub fn threads(&self) -> Option<usize> {
+        match self {
+            Self::Render(args) => args.scene.threads,
+            Self::CompareModels(args) => args.scene.threads,
+            Self::Profile(args) => args.threads,
+            Self::Presets(args) => args.threads,
+            Self::Conformance(args) => args.threads,
+            Self::Inspect(_) | Self::Edit(_) | Self::Convert(_) | Self::Validate(_) => None,
+        }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Render(_) => "render",
+            Self::Inspect(_) => "inspect",
+            Self::CompareModels(_) => "compare-models",
+            Self::Profile(_) => "profile",
+            Self::Edit(_) => "edit",
+            Self::Convert(_) => "convert",
+            Self::Presets(_) => "presets",
+            Self::Validate(_) => "validate",
+            Self::Conformance(_) => "conformance",
+        }
+    }
+}
+
+impl SceneArgs {
+    /// The files that are named as inputs.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let environment = match &self.env {
+            Some(EnvArg::File(path)) => Some(path.clone()),
+            _ => None,
+        };
+        std::iter::once(self.load.input.clone()).chain(environment).collect()
+    }
 }
 
 impl RenderArgs {

@@ -57,11 +57,11 @@ pub(super) struct EditArgs {
     pub preset: Option<&'static Preset>,
 
     /// Absorption coefficient, in 1/m unless --unit says otherwise
-    #[arg(long, value_name = "R,G,B", value_parser = channels)]
+    #[arg(long, value_name = "R,G,B", value_parser = channels, allow_hyphen_values = true)]
     pub absorption: Option<[f64; 3]>,
 
     /// Scattering coefficient (not the reduced one)
-    #[arg(long, value_name = "R,G,B", value_parser = channels)]
+    #[arg(long, value_name = "R,G,B", value_parser = channels, allow_hyphen_values = true)]
     pub scattering: Option<[f64; 3]>,
 
     /// Mean cosine of the scattering angle
@@ -69,11 +69,11 @@ pub(super) struct EditArgs {
     pub anisotropy: Option<f64>,
 
     /// Index of refraction
-    #[arg(long, value_name = "N", value_parser = ior)]
+    #[arg(long, value_name = "N", value_parser = ior, allow_negative_numbers = true)]
     pub ior: Option<f64>,
 
     /// Factor on both coefficients
-    #[arg(long, value_name = "X", value_parser = density)]
+    #[arg(long, value_name = "X", value_parser = density, allow_negative_numbers = true)]
     pub density: Option<f64>,
 
     /// Where closed meshes overlap, the medium of the highest priority fills the overlap
@@ -88,15 +88,15 @@ pub(super) struct EditArgs {
     #[arg(long, value_name = "INDEX|none", value_parser = texture)]
     pub scattering_texture: Option<TextureArg>,
 
-    /// The colour to be seen, linear; with the mean free path it stands for both coefficients
-    #[arg(long, value_name = "R,G,B", value_parser = color, conflicts_with_all = ["absorption", "scattering"])]
+    /// The colour to be seen, linear, or #rrggbb as paint programs have it; with the mean free path it stands for both coefficients
+    #[arg(long, value_name = "R,G,B", value_parser = color, allow_hyphen_values = true, conflicts_with_all = ["absorption", "scattering"])]
     pub color: Option<[f64; 3]>,
 
     /// Mean free path, in metres unless --unit says otherwise
-    #[arg(long, value_name = "R,G,B", value_parser = lengths, conflicts_with_all = ["absorption", "scattering"])]
+    #[arg(long, value_name = "R,G,B", value_parser = lengths, allow_hyphen_values = true, conflicts_with_all = ["absorption", "scattering"])]
     pub mean_free_path: Option<[f64; 3]>,
 
-    /// Unit of length of coefficients, which are its inverse, and of mean free paths: m or mm
+    /// Unit of length of coefficients, which are its inverse, and of mean free paths: m, cm or mm
     #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
     pub unit: LengthUnit,
 

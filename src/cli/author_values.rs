@@ -1,7 +1,7 @@
 //! Values that the authoring commands take.
 
 use super::names;
-use super::values::LengthUnit;
+use super::values::{LengthUnit, length_unit};
 use crate::author::Form;
 use crate::optics::presets::Preset;
 
@@ -18,7 +18,12 @@ pub(super) fn channels(text: &str) -> Result<[f64; 3], String> {
     let numbers = match numbers.as_deref() {
         Ok([one]) => [*one; 3],
         Ok([r, g, b]) => [*r, *g, *b],
-        _ => return Err("three numbers red,green,blue are expected, or one for all".to_owned()),
+        _ => {
+            let unit =
+                text.split(',').find_map(unit_of).map(|unit| format!("; the unit is given by --unit {unit}"));
+            let expected = "three numbers red,green,blue are expected, or one for all";
+            return Err(format!("{expected}{}", unit.unwrap_or_default()));
+        }
     };
     match numbers.iter().all(|v| v.is_finite() && *v >= 0.0) {
         true => Ok(numbers),
@@ -26,7 +31,34 @@ pub(super) fn channels(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
+/// The unit that a number is followed by, as in `1mm`.
+fn unit_of(part: &str) -> Option<&str> {
+    let part = part.trim();
+    let unit = part.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
+    (unit.len() < part.len() && length_unit(unit.trim()).is_ok()).then_some(unit.trim())
+}
+
+/// A colour of a paint program, `#3fa060` or `#3a6`: sRGB, made linear.
+fn hexadecimal(digits: &str) -> Option<[f64; 3]> {
+    let value = |range: std::ops::Range<usize>, most: f64| {
+        let part = digits.get(range)?;
+        let digits = part.bytes().all(|b| b.is_ascii_hexdigit());
+        Some(f64::from(u8::from_str_radix(part, 16).ok().filter(|_| digits)?) / most)
+    };
+    let encoded = match digits.len() {
+        6 => [value(0..2, 255.0)?, value(2..4, 255.0)?, value(4..6, 255.0)?],
+        3 => [value(0..1, 15.0)?, value(1..2, 15.0)?, value(2..3, 15.0)?],
+        _ => return None,
+    };
+    let linear = |c: f64| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+    Some(encoded.map(linear))
+}
+
 pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
+    if let Some(digits) = text.strip_prefix('#') {
+        return hexadecimal(digits)
+            .ok_or_else(|| "a colour after # has 6 hexadecimal digits: #rrggbb".to_owned());
+    }
     let color = channels(text)?;
     match color.iter().all(|v| *v <= 1.0) {
         true => Ok(color),
@@ -94,6 +126,7 @@ impl LengthUnit {
     fn shifted(self, value: f64, places: i32) -> f64 {
         let places = match self {
             Self::Metre => 0,
+            Self::Centimetre => places - places.signum(),
             Self::Millimetre => places,
         };
         let text = format!("{value:e}");
@@ -116,6 +149,22 @@ mod tests {
             assert_eq!(LengthUnit::Metre.per_metre(mm), mm);
         }
         assert_eq!(LengthUnit::Millimetre.metres(0.3), 0.0003);
+        assert_eq!(LengthUnit::Centimetre.metres(0.3), 0.003);
+        assert_eq!(LengthUnit::Centimetre.per_metre(0.07), 7.0);
+    }
+
+    #[test]
+    fn colours_of_paint_programs_are_made_linear() {
+        // 0x3f, 0xa0 and 0x60 by the formula of sRGB (IEC 61966-2-1).
+        let linear = [0.049_707, 0.351_533, 0.116_971];
+        let found = color("#3fa060").unwrap();
+        assert!(found.iter().zip(linear).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+        assert_eq!(color("#f0f"), Ok([1.0, 0.0, 1.0]));
+        for wrong in ["#", "#12345", "#+1+1+1", "#gggggg", "#ääa"] {
+            assert!(color(wrong).unwrap_err().contains("#rrggbb"), "{wrong}");
+        }
+        assert!(lengths("1mm").unwrap_err().contains("--unit mm"));
+        assert!(lengths("1,0.5cm,2").unwrap_err().contains("--unit cm"));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::conformance_args::ConformanceArgs;
 use super::interrupt;
-use super::job::{check_output, write_text};
-use super::message::Reporter;
+use super::job::{Failures, check_distinct, check_output, write_text};
+use super::message::{self, Reporter};
 use super::progress::{Part, Progress};
 use crate::conformance::report::{self, About};
 use crate::conformance::{
@@ -36,11 +36,12 @@ impl From<ConformanceError> for Failure {
 /// Runs as the arguments say.
 pub(super) fn run_suite(args: ConformanceArgs) -> Result<(), Failure> {
     let renderer = renderer(&args)?;
-    for path in [&args.report, &args.junit, &args.json].into_iter().flatten() {
-        check_output(path)?;
-    }
+    let outputs: Vec<&Path> =
+        [&args.report, &args.junit, &args.json].into_iter().flatten().map(|path| path.as_path()).collect();
+    check_distinct(&outputs)?;
+    outputs.into_iter().try_for_each(check_output)?;
     let suite = suite(&args)?;
-    interrupt::install()?;
+    interrupt::finish_at_first();
     let progress = Progress::new(args.quiet);
     let screen = Screen { progress: &progress, quiet: args.quiet };
     if args.update_references {
@@ -77,7 +78,9 @@ fn renderer(args: &ConformanceArgs) -> Result<Renderer, Failure> {
             threads: args.threads.unwrap_or(0),
         }));
     };
-    let timeout = Duration::from_secs_f32(args.timeout.min(1e9));
+    // What is typed is a decimal number, and is said again.
+    let milliseconds = (f64::from(args.timeout.min(1e9)) * 1e3).round().max(1.0);
+    let timeout = Duration::from_millis(milliseconds as u64);
     Ok(Renderer::Command(CommandTemplate::new(command, timeout)?))
 }
 
@@ -93,25 +96,26 @@ fn suite(args: &ConformanceArgs) -> Result<Suite, Failure> {
 }
 
 fn write_reports(args: &ConformanceArgs, about: &About, outcomes: &[Outcome]) -> Result<(), Failure> {
+    let mut failures = Failures::default();
     if let Some(path) = &args.report {
-        write_text(path, &report::html(about, outcomes))?;
+        failures.note(write_text(path, &report::html(about, outcomes)));
     }
     if let Some(path) = &args.junit {
-        write_text(path, &report::junit(about, outcomes))?;
+        failures.note(write_text(path, &report::junit(about, outcomes)));
     }
     if let Some(path) = &args.json {
-        write_text(path, &format!("{:#}\n", report::json(about, outcomes)))?;
+        failures.note(write_text(path, &format!("{:#}\n", report::json(about, outcomes))));
     }
-    Ok(())
+    failures.finish()
 }
 
 /// The last line, and the exit code.
 fn conclude(about: &About, outcomes: &[Outcome]) -> Result<(), Failure> {
     let [passed, inconclusive, failed, errors] = report::counts(outcomes);
-    println!(
+    message::print(&format!(
         "{passed} passed, {failed} failed, {inconclusive} inconclusive, {errors} without a picture, {:.1} s",
         about.seconds
-    );
+    ));
     let wrong: Vec<&str> =
         outcomes.iter().filter(|o| o.verdict != Verdict::Passed).map(|o| o.case.name.as_str()).collect();
     if wrong.is_empty() {

@@ -3,8 +3,9 @@
 
 use super::Failure;
 use super::args::RenderArgs;
-use crate::film::{Format, WriteOptions, atomic};
-use std::collections::HashSet;
+use crate::film::atomic::{self, Identity, Target};
+use crate::film::{Format, WriteOptions};
+use std::collections::HashMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -21,22 +22,13 @@ pub(super) struct RenderJob {
 impl RenderJob {
     /// Checks what was typed as a whole.
     pub fn new(args: RenderArgs) -> Result<Self, Failure> {
-        let mut seen = HashSet::new();
         let mut outputs = Vec::new();
         for path in &args.output {
             let format = Format::from_path(path).map_err(|e| Failure::Usage(e.to_string()))?;
-            if !seen.insert(path) {
-                return Err(Failure::Usage(format!("{} is asked for twice", path.display())));
-            }
             outputs.push((path.clone(), format));
         }
-        if let Some(path) = args.stats.as_ref().filter(|path| !seen.insert(path)) {
-            return Err(Failure::Usage(format!(
-                "{} cannot be both a picture and statistics",
-                path.display()
-            )));
-        }
         let job = Self { args, outputs };
+        check_distinct(&job.paths())?;
         if let Some((width, height)) = job.args.size {
             job.check_size(width, height).map_err(Failure::Usage)?;
         }
@@ -45,8 +37,14 @@ impl RenderJob {
 
     /// Whether every output could be written, before work begins that would be lost.
     pub fn check_outputs(&self) -> Result<(), Failure> {
-        let mut paths = self.outputs.iter().map(|(path, _)| path).chain(&self.args.stats);
-        paths.try_for_each(|path| check_output(path))
+        let paths = self.paths();
+        check_not_inputs(&paths, &self.args.scene.inputs())?;
+        paths.into_iter().try_for_each(check_output)
+    }
+
+    /// Every file that is written.
+    pub fn paths(&self) -> Vec<&Path> {
+        self.outputs.iter().map(|(path, _)| path).chain(&self.args.stats).map(PathBuf::as_path).collect()
     }
 
     fn check_size(&self, width: u32, height: u32) -> Result<(), String> {
@@ -90,6 +88,68 @@ pub(super) fn check_pixels(width: u32, height: u32) -> Result<(), String> {
         f64::from(width) * f64::from(height) / 1e6,
         MAX_PIXELS / 1_000_000
     ))
+}
+
+/// What a path leads to, if that is a file that only one can write.
+fn identity(path: &Path) -> Option<Identity> {
+    // What is wrong with a path is said when it is checked or read.
+    Target::of(path).ok()?.identity()
+}
+
+/// No two outputs may be the same file, whatever they are called.
+pub(super) fn check_distinct(outputs: &[&Path]) -> Result<(), Failure> {
+    let mut seen: HashMap<Identity, &Path> = HashMap::new();
+    for &path in outputs {
+        let before = identity(path).and_then(|identity| seen.insert(identity, path));
+        if let Some(before) = before {
+            return Err(Failure::Usage(if before == path {
+                format!("{} is asked for twice", path.display())
+            } else {
+                format!("{} and {} are the same file, asked for twice", before.display(), path.display())
+            }));
+        }
+    }
+    Ok(())
+}
+
+/// No output may be what it is made from.
+pub(super) fn check_not_inputs(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), Failure> {
+    let inputs: HashMap<Identity, &PathBuf> =
+        inputs.iter().filter_map(|input| Some((identity(input)?, input))).collect();
+    for output in outputs {
+        if let Some(input) = identity(output).and_then(|identity| inputs.get(&identity)) {
+            return Err(Failure::Usage(if input.as_path() == *output {
+                format!("{} is an input, which would be replaced", output.display())
+            } else {
+                format!("{} is the input {}, which would be replaced", output.display(), input.display())
+            }));
+        }
+    }
+    Ok(())
+}
+
+/// What went wrong with several outputs, each of which is tried: one that fails takes no other along.
+#[derive(Debug, Default)]
+pub(super) struct Failures(Option<Failure>);
+
+impl Failures {
+    /// Whether it went right; if not, that is said at the latest at the end.
+    pub fn note(&mut self, result: Result<(), Failure>) -> bool {
+        match result {
+            Ok(()) => true,
+            Err(failure) => {
+                if let Some(before) = self.0.replace(failure) {
+                    before.tell();
+                }
+                false
+            }
+        }
+    }
+
+    /// The failure that has not been said yet.
+    pub fn finish(self) -> Result<(), Failure> {
+        self.0.map_or(Ok(()), Err)
+    }
 }
 
 /// Whether a file could be written.

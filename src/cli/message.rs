@@ -1,6 +1,7 @@
 //! What is said on standard error: notes, warnings and errors, each once.
 
 use super::pipeline::{Diagnostic, Severity};
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
@@ -33,7 +34,7 @@ impl Reporter {
         for (diagnostic, more) in grouped(found) {
             let mut text = diagnostic.to_string();
             if more > 0 {
-                text += &format!(" [and in {more} more places]");
+                text += &also_in(more);
             }
             match diagnostic.severity {
                 Severity::Note => self.note(text),
@@ -74,6 +75,16 @@ pub(super) fn grouped(found: &[Diagnostic]) -> Vec<(&Diagnostic, usize)> {
     groups
 }
 
+/// “ [and in 2 more places]”
+pub(super) fn also_in(more: usize) -> String {
+    format!(" [and in {}]", count(more as u64, "more place", "more places"))
+}
+
+/// “1 path was”, “2 paths were”.
+pub(super) fn count(n: u64, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// Says why the program stops, and what to do.
 pub(super) fn error(text: &str, advice: Option<&str>) {
     say("error", ERROR, text);
@@ -88,13 +99,50 @@ const NOTE: &str = "\x1b[1;36m";
 
 fn say(label: &str, color: &str, text: &str) {
     let mut stderr = std::io::stderr().lock();
-    let colored = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    let wanted = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    let able = std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+    let text = printable(text);
     // A closed standard error is no reason to stop rendering.
-    let _ = if colored {
+    let _ = if wanted && able && stderr.is_terminal() {
         writeln!(stderr, "{color}{label}:\x1b[0m {text}")
     } else {
         writeln!(stderr, "{label}: {text}")
     };
+}
+
+/// Writes a line of ours, which no file has a part in, to standard error.
+pub(super) fn line(text: &str) {
+    // As in [`say`].
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Writes a line to standard output, if anybody reads that.
+pub(super) fn print(text: &str) {
+    // What is said there is also in the exit code and the files.
+    let _ = writeln!(std::io::stdout().lock(), "{}", printable(text));
+}
+
+/// Text without what would move the cursor, change colours, or look like a line of another kind: control characters are
+/// escaped as in Rust's strings, and so are those that turn the direction of writing.
+pub(super) fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_unprintable) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if is_unprintable(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// Controls (C0, DEL, C1), separators of lines and paragraphs, and marks that turn the direction of writing.
+fn is_unprintable(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{2028}' | '\u{2029}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 #[cfg(test)]

@@ -34,6 +34,7 @@ mod progressive;
 mod render;
 mod setup;
 mod stats;
+mod usage;
 mod validate;
 mod values;
 mod warnings;
@@ -65,19 +66,54 @@ impl Failure {
     fn advise(message: impl ToString, advice: impl Into<String>) -> Self {
         Self::Cannot { message: message.to_string(), advice: Some(advice.into()) }
     }
+
+    /// Says it.
+    fn tell(&self) {
+        self.tell_of(None);
+    }
+
+    /// Says it, of a command.
+    fn tell_of(&self, command: Option<&str>) {
+        match self {
+            Self::Usage(text) => {
+                let help = command.map(|name| format!("see `nephrite {name} --help`"));
+                message::error(text, help.as_deref());
+            }
+            Self::Cannot { message, advice } => message::error(message, advice.as_deref()),
+            Self::Interrupted => {}
+        }
+    }
+
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Usage(_) => ExitCode::from(2),
+            Self::Cannot { .. } => ExitCode::from(1),
+            Self::Interrupted => interrupt::exit_code(),
+        }
+    }
 }
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let args = match args::Args::try_parse() {
+    let typed: Vec<std::ffi::OsString> = std::env::args_os().collect();
+    let args = match args::Args::try_parse_from(&typed) {
         Ok(args) => args,
-        Err(error) => {
-            // Standard error may be closed; there is nobody left to tell.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
+        Err(error) => return usage::tell(error, &typed),
     };
-    let result = match args.command {
+    let name = args.command.name();
+    let result = interrupt::install().and_then(|()| run(args.command));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.tell_of(Some(name));
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(command: args::Command) -> Result<(), Failure> {
+    pipeline::start_threads(command.threads())?;
+    match command {
         args::Command::Render(args) => render::run(*args),
         args::Command::Inspect(args) => inspect::run(&args),
         args::Command::CompareModels(args) => compare::run(*args),
@@ -87,17 +123,5 @@ pub fn main() -> ExitCode {
         args::Command::Presets(args) => presets::run(args),
         args::Command::Validate(args) => validate::run(&args),
         args::Command::Conformance(args) => conformance::run_suite(*args),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Usage(text)) => {
-            message::error(&text, Some("see `nephrite --help`"));
-            ExitCode::from(2)
-        }
-        Err(Failure::Cannot { message, advice }) => {
-            message::error(&message, advice.as_deref());
-            ExitCode::from(1)
-        }
-        Err(Failure::Interrupted) => ExitCode::from(130),
     }
 }

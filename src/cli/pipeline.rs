@@ -37,6 +37,18 @@ pub(super) fn models(cosines: Cosines) -> Registry {
 /// The path that stands for standard input.
 const STANDARD_INPUT: &str = "-";
 
+/// Starts the threads that do everything from now on; as many as the machine has, if nothing else is asked for.
+pub(super) fn start_threads(asked: Option<usize>) -> Result<(), Failure> {
+    let started = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0)).build_global();
+    started.map_err(|error| {
+        let number = asked.map_or("threads".to_owned(), |n| format!("{n} threads"));
+        Failure::advise(
+            format!("cannot start {number}: {error}"),
+            "ask for fewer with --threads, or let this user have more processes and memory (ulimit)",
+        )
+    })
+}
+
 /// Opens a glTF file.
 pub(super) fn open(args: &SceneArgs) -> Result<Asset, Failure> {
     let (variant, camera) = (args.variant.clone(), args.camera.clone());

@@ -2,6 +2,7 @@
 //! nothing.
 
 use super::interrupt;
+use super::message;
 use super::pipeline::RenderControl;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -18,7 +19,9 @@ pub(super) struct Progress {
 impl Progress {
     /// Visible only on a terminal, and not when quiet.
     pub fn new(quiet: bool) -> Self {
-        let is_watched = !quiet && std::io::stderr().is_terminal();
+        // A terminal that cannot move its cursor would show every step of the bar.
+        let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let is_watched = !quiet && std::io::stderr().is_terminal() && !is_dumb;
         let bar = if is_watched { ProgressBar::no_length() } else { ProgressBar::hidden() };
         Self { bar, is_watched, done: AtomicU64::new(0) }
     }
@@ -31,8 +34,11 @@ impl Progress {
     /// Names a piece of work of unknown length.
     pub fn phase(&self, name: &str) {
         self.bar.set_style(style("{spinner} {msg}"));
-        self.bar.set_message(name.to_owned());
-        self.bar.enable_steady_tick(Duration::from_millis(120));
+        self.bar.set_message(message::printable(name).into_owned());
+        // The bar needs a thread to turn, and is not worth failing for want of one.
+        if self.is_watched && std::thread::Builder::new().spawn(|| {}).is_ok() {
+            self.bar.enable_steady_tick(Duration::from_millis(120));
+        }
     }
 
     /// Begins the bar.
@@ -50,13 +56,13 @@ impl Progress {
 
     /// Names the part of the bar that follows `before` of `total` samples.
     pub fn part(&self, name: &str, before: u64, total: u64) -> Part<'_> {
-        self.bar.set_message(name.to_owned());
+        self.bar.set_message(message::printable(name).into_owned());
         Part { progress: self, before, total }
     }
 
     /// Prints a line to standard output, above the bar if there is one.
     pub fn print(&self, line: &str) {
-        self.bar.suspend(|| println!("{line}"));
+        self.bar.suspend(|| message::print(line));
     }
 
     /// Removes whatever is shown.

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::args::RenderArgs;
 use super::interrupt;
-use super::job::{RenderJob, cannot_write, file_name, write_text};
-use super::message::Reporter;
+use super::job::{Failures, RenderJob, cannot_write, file_name, write_text};
+use super::message::{Reporter, count};
 use super::pipeline::{self, RenderOptions, Rendered};
 use super::progress::Progress;
 use super::progressive::{self, Output, Showing};
@@ -22,12 +22,11 @@ const LONGEST_SIDE: u32 = 1024;
 pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let job = RenderJob::new(args)?;
     job.check_outputs()?;
-    interrupt::install()?;
     let args = &job.args.scene;
     let reporter = Reporter::new(args.quiet);
     let progress = Progress::new(args.quiet);
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
-    let mut prepared = Prepared::new(args, size, &job.args.blur, &reporter, &progress)?;
+    let mut prepared = Prepared::new(args, size, &job.args.blur, &job.paths(), &reporter, &progress)?;
     let mut options = prepared.options(args, job.args.spp, job.args.model());
     options.transparent = job.args.transparent_background;
     say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
@@ -36,9 +35,11 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let is_watched = progress.is_watched();
     let unfinished = progressive::unfinished(job.args.progressive, &job.outputs, is_watched, &reporter);
 
+    interrupt::finish_at_first();
     progress.rendering();
     let showing = Showing::new(&progress, !unfinished.is_empty(), |rendered| {
-        write_pictures(&job, &unfinished, rendered, &recorded, &options).is_ok()
+        let write = |output| write_picture(&job, output, rendered, &recorded, &options);
+        unfinished.iter().filter(|output| write(output).is_ok()).count() > 0
     });
     let (rendered, work) = Work::of(|| prepared.render(args, &options, &models, &showing));
     progress.clear();
@@ -52,30 +53,36 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let samples = rendered.film.pixels.len() as f64 * f64::from(rendered.spp);
     report_counters(&rendered.stats, &prepared.scene, samples, "", &reporter);
     let writing = Instant::now();
-    let report = write_pictures(&job, &job.outputs, &rendered, &recorded, &options)?;
+    let (mut report, mut failures, mut written) = (WriteReport::default(), Failures::default(), Vec::new());
+    for output in &job.outputs {
+        let done = write_picture(&job, output, &rendered, &recorded, &options);
+        if failures.note(done.map(|found| report = report.max(found))) {
+            written.push(output.0.display().to_string());
+        }
+    }
     say_what_was_lost(report, &reporter);
     let measured = Measured { work, write_seconds: writing.elapsed().as_secs_f64() };
     if let Some(path) = &job.args.stats {
         let stats = measured.json(&job, &prepared, &options, &rendered);
-        write_text(path, &format!("{stats:#}\n"))?;
+        failures.note(write_text(path, &format!("{stats:#}\n")));
     }
-    if interrupted {
+    if interrupted && !written.is_empty() {
         reporter.warning(format!(
             "interrupted: the pictures have {} of {} samples a pixel",
             rendered.spp, options.spp
         ));
-        return Err(Failure::Interrupted);
+    } else if !written.is_empty() {
+        reporter.note(format!(
+            "wrote {} ({} × {}, {} a pixel, {:.1} s)",
+            written.join(", "),
+            options.width,
+            options.height,
+            count(rendered.spp.into(), "sample", "samples"),
+            measured.work.seconds
+        ));
     }
-    let written: Vec<String> = job.outputs.iter().map(|(path, _)| path.display().to_string()).collect();
-    reporter.note(format!(
-        "wrote {} ({} × {}, {} samples a pixel, {:.1} s)",
-        written.join(", "),
-        options.width,
-        options.height,
-        rendered.spp,
-        measured.work.seconds
-    ));
-    Ok(())
+    failures.finish()?;
+    if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// Shadows on a black background, and alpha in formats without.
@@ -99,32 +106,29 @@ fn say_what_cannot_be_seen(
     }
 }
 
-/// Writes a picture to those outputs.
-fn write_pictures(
+/// Writes a picture to one of the outputs.
+fn write_picture(
     job: &RenderJob,
-    outputs: &[Output],
+    (path, format): &Output,
     rendered: &Rendered,
     recorded: &Value,
     options: &RenderOptions,
 ) -> Result<WriteReport, Failure> {
-    let mut report = WriteReport::default();
-    for (path, format) in outputs {
-        let mut write_options = job.write_options();
-        write_options.attributes = attributes(job, *format, rendered.spp, recorded, options);
-        let written = film::write(path, &rendered.film, &write_options).map_err(|e| cannot_write(path, e))?;
-        report = report.max(written);
-    }
-    Ok(report)
+    let mut write_options = job.write_options();
+    write_options.attributes = attributes(job, *format, rendered.spp, recorded, options);
+    film::write(path, &rendered.film, &write_options).map_err(|e| cannot_write(path, e))
 }
 
 fn say_what_was_lost(report: WriteReport, reporter: &Reporter) {
     if report.non_finite > 0 {
-        reporter.warning(format!("{} pixels are not finite and were written as black", report.non_finite));
+        let pixels =
+            count(report.non_finite as u64, "pixel is not finite and was", "pixels are not finite and were");
+        reporter.warning(format!("{pixels} written as black"));
     }
     if report.clamped_to_half > 0 {
         reporter.warning(format!(
-            "{} pixels are brighter than 65504, the most a half float can hold (--float keeps them)",
-            report.clamped_to_half
+            "{} brighter than 65504, the most a half float can hold (--float keeps them)",
+            count(report.clamped_to_half as u64, "pixel is", "pixels are")
         ));
     }
 }

@@ -3,8 +3,7 @@
 use super::Failure;
 use super::animation::ShutterArgs;
 use super::args::SceneArgs;
-use super::interrupt;
-use super::job::file_name;
+use super::job::{check_not_inputs, file_name};
 use super::message::Reporter;
 use super::names;
 use super::pipeline::{
@@ -18,6 +17,7 @@ use super::warnings::warn_of_open_media;
 use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
 use glam::Vec3;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Aspect ratios that differ by less than this are the same.
 const ASPECT_TOLERANCE: f32 = 0.01;
@@ -55,11 +55,12 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Loads and compiles what `args` ask for.
+    /// Loads and compiles what `args` ask for; none of the files may be an output.
     pub fn new(
         args: &SceneArgs,
         size: Size,
         blur: &ShutterArgs,
+        outputs: &[&Path],
         reporter: &Reporter,
         progress: &Progress,
     ) -> Result<Self, Failure> {
@@ -69,6 +70,7 @@ impl Prepared {
         let asset = pipeline::open(args);
         progress.clear();
         let mut asset = asset?;
+        check_not_inputs(outputs, &asset.files())?;
         let mut moment = args.play.moment(&asset, blur.shutter.is_some(), reporter)?;
         moment.time += blur.shutter.map_or(0.0, |[open, _]| open);
         progress.phase(&loading);
@@ -89,7 +91,6 @@ impl Prepared {
         };
         let ground = set_ground(args.ground, &mut description, reporter);
         let load_seconds = watch.lap();
-        interrupt::check()?;
 
         progress.phase("building");
         let scene = pipeline::build(description);
@@ -97,7 +98,6 @@ impl Prepared {
         let scene = scene?;
         let build_seconds = watch.lap();
         warn_of_open_media(&scene, reporter);
-        interrupt::check()?;
         let environment = environment_name(args.env.as_ref(), is_studio);
         Ok(Self {
             scene,

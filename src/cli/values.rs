@@ -49,11 +49,15 @@ pub(super) enum ChannelArg {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LengthUnit {
     Metre,
+    Centimetre,
     Millimetre,
 }
 
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "write it as width x height, for example 1280x720".to_owned();
+    if let Ok(side) = text.trim().parse::<u32>() {
+        return Err(format!("{side} is one side of two; {}", wrong()));
+    }
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let side = |s: &str| s.trim().parse::<u32>().ok().filter(|&n| n > 0).ok_or_else(wrong);
     Ok((side(width)?, side(height)?))
@@ -100,6 +104,15 @@ pub(super) fn limit(text: &str) -> Result<(String, u64), String> {
     };
     let value = digits.parse::<u64>().ok().and_then(|n| n.checked_mul(unit));
     Ok((name.to_owned(), value.ok_or("a whole number is expected, for example 200M")?))
+}
+
+/// A light, whose file may have any name.
+pub(super) fn environment_parser() -> impl clap::builder::TypedValueParser<Value = EnvArg> {
+    use clap::builder::TypedValueParser;
+    clap::builder::OsStringValueParser::new().try_map(|text| match text.into_string() {
+        Ok(text) => environment(&text),
+        Err(name) => Ok(EnvArg::File(name.into())),
+    })
 }
 
 pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
@@ -217,10 +230,15 @@ pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
             format!("{unknown}; or give four numbers σa,σs,g,η")
         });
     }
-    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
-    let [sigma_a, sigma_s, g, eta] = numbers[..] else {
-        return Err("a medium is four numbers: σa,σs,g,η, for example 20,1500,0.4,1.4".to_owned());
+    let parts = text.split(',').map(|part| part.trim().parse::<f64>().map_err(|_| part.trim()));
+    let wrong =
+        |why: &str| Err(format!("{why}a medium is four numbers: σa,σs,g,η, for example 20,1500,0.4,1.4"));
+    let numbers: Vec<f64> = match parts.collect() {
+        Ok(numbers) => numbers,
+        Err("") => return wrong("a number is missing; "),
+        Err(part) => return wrong(&format!("{part:?} is no number; ")),
     };
+    let [sigma_a, sigma_s, g, eta] = numbers[..] else { return wrong("") };
     let coefficient = |v: f64| v == 0.0 || (MIN_COEFFICIENT..=MAX_COEFFICIENT).contains(&v);
     if !(coefficient(sigma_a) && coefficient(sigma_s)) {
         return Err(format!("σa and σs are 0, or between {MIN_COEFFICIENT:e} and {MAX_COEFFICIENT:e}"));
@@ -258,8 +276,9 @@ pub(super) fn channel(text: &str) -> Result<ChannelArg, String> {
 pub(super) fn length_unit(text: &str) -> Result<LengthUnit, String> {
     match text {
         "m" => Ok(LengthUnit::Metre),
+        "cm" => Ok(LengthUnit::Centimetre),
         "mm" => Ok(LengthUnit::Millimetre),
-        _ => Err(names::unknown("unit", text, ["m", "mm"])),
+        _ => Err(names::unknown("unit", text, ["m", "cm", "mm"])),
     }
 }
 
@@ -307,7 +326,10 @@ mod tests {
         for (wrong, advice) in [
             ("skimmilk", "did you mean skim-milk"),
             ("1,2,3", "four numbers"),
-            ("1,x,0,1.3", "four numbers"),
+            ("1,x,0,1.3", "\"x\" is no number; a medium is four numbers"),
+            ("1,x,2,0,1.3", "\"x\" is no number"),
+            ("1,2,0,1.3,", "a number is missing"),
+            ("20 1500 0.4 1.4,", "is no number"),
             ("-1,2,0,1.3", "σa"),
             ("1,0,0,1.3", "scatter"),
             ("1,2,1,1.3", "g is"),

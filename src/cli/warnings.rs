@@ -1,6 +1,6 @@
 //! What a render warns of: media without a closed mesh, and what was counted while it ran.
 
-use super::message::Reporter;
+use super::message::{Reporter, count};
 use super::pipeline::{RenderStats, Scene};
 
 /// More leaks a sample than this are told of; rounding lets a path in a million slip through an edge of a closed mesh.
@@ -18,8 +18,8 @@ pub(super) fn report_counters(
 ) {
     if stats.truncated_paths > 0 {
         reporter.warning(format!(
-            "{of}{} paths were cut off at --max-depth; the picture is darker than it should be",
-            stats.truncated_paths
+            "{of}{} cut off at --max-depth; the picture is darker than it should be",
+            count(stats.truncated_paths, "path was", "paths were")
         ));
     }
     let leaked = stats.leaked_paths;
@@ -27,16 +27,23 @@ pub(super) fn report_counters(
     let has_open_media = scene.objects.iter().any(|object| object.has_medium && !object.closed);
     if has_open_media && leaked as f64 > by_rounding {
         reporter.warning(format!(
-            "{of}{leaked} paths leaked out of meshes that are not closed (`nephrite inspect` says where)"
+            "{of}{} leaked out of meshes that are not closed (`nephrite inspect` says where)",
+            count(leaked, "path", "paths")
         ));
     } else if leaked as f64 > by_rounding + CHANCE * by_rounding.sqrt() {
         reporter.warning(format!(
-            "{of}{leaked} paths were lost at boundaries of media, though all of these are closed: where they touch or \
-             cross, it can be unclear what is inside (`nephrite validate` finds such places)"
+            "{of}{} lost at boundaries of media, though all of these are closed: where they touch or \
+             cross, it can be unclear what is inside (`nephrite validate` finds such places)",
+            count(leaked, "path was", "paths were")
         ));
     }
     if stats.invalid_samples > 0 {
-        reporter.warning(format!("{of}{} samples were not finite and count as black", stats.invalid_samples));
+        let samples = count(
+            stats.invalid_samples,
+            "sample was not finite and counts",
+            "samples were not finite and count",
+        );
+        reporter.warning(format!("{of}{samples} as black"));
     }
 }
 

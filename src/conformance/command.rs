@@ -6,10 +6,12 @@
 //! `R,G,B` (`0,0,0` without one), for programs that do not read `EXT_lights_image_based`.
 
 use super::{ConformanceError, Job};
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// What is kept of what a program says on standard error, in bytes from its end.
@@ -60,18 +62,18 @@ impl CommandTemplate {
     }
 
     /// The words with everything filled in. A value that looks like a place stays as it is.
-    fn fill(&self, job: &Job<'_>, output: &Path) -> Vec<String> {
+    fn fill(&self, job: &Job<'_>, output: &Path) -> Vec<OsString> {
         let asset = job.case.asset();
         let input = asset.canonicalize().unwrap_or(asset);
         let environment = job.case.environment.unwrap_or_default();
         let values = [
-            input.to_string_lossy().into_owned(),
-            output.to_string_lossy().into_owned(),
-            job.case.width.to_string(),
-            job.case.height.to_string(),
-            job.spp.to_string(),
-            job.seed.to_string(),
-            environment.map(|v| v.to_string()).join(","),
+            input.into_os_string(),
+            output.as_os_str().to_owned(),
+            job.case.width.to_string().into(),
+            job.case.height.to_string().into(),
+            job.spp.to_string().into(),
+            job.seed.to_string().into(),
+            environment.map(|v| v.to_string()).join(",").into(),
         ];
         self.words.iter().map(|word| fill_word(word, &values)).collect()
     }
@@ -86,21 +88,16 @@ impl CommandTemplate {
         let words = self.fill(job, output);
         let mut said = tempfile::tempfile().map_err(|e| format!("no temporary file: {e}"))?;
         let log = |said: &File| said.try_clone().map(Stdio::from).map_err(|e| e.to_string());
-        let mut child = Command::new(&words[0])
-            .args(&words[1..])
-            .stdin(Stdio::null())
-            .stdout(log(&said)?)
-            .stderr(log(&said)?)
-            .spawn()
-            .map_err(|e| format!("cannot start {:?}: {e}", words[0]))?;
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]).stdin(Stdio::null()).stdout(log(&said)?).stderr(log(&said)?);
+        let mut running =
+            Running::start(&mut command).map_err(|e| format!("cannot start {:?}: {e}", words[0]))?;
         let started = Instant::now();
         let status = loop {
-            match child.try_wait() {
+            match running.child.try_wait() {
                 Ok(Some(status)) => break status,
                 Ok(None) if started.elapsed() > self.timeout || cancelled() => {
-                    // It may have ended by itself just now; then there is nothing to end.
-                    let _ = child.kill();
-                    let _ = child.wait();
+                    running.end();
                     let limit = self.timeout.as_secs_f64();
                     let why = if cancelled() {
                         "interrupted".into()
@@ -123,25 +120,76 @@ impl CommandTemplate {
     }
 }
 
+/// Programs that run now, by the process that was started.
+static RUNNING: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
+/// Ends every renderer that runs, with all that it has started, for a process that ends itself.
+pub fn end_renderers() {
+    RUNNING.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().for_each(|&id| end_group(id));
+}
+
+/// A program with whatever it starts: a script that starts the renderer proper, which would go on without it.
+struct Running {
+    child: Child,
+}
+
+impl Running {
+    fn start(command: &mut Command) -> std::io::Result<Self> {
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(command, 0);
+        // Under the lock, so that none is started after all have been ended.
+        let mut running = RUNNING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let child = command.spawn()?;
+        running.push(child.id());
+        Ok(Self { child })
+    }
+
+    fn end(&mut self) {
+        end_group(self.child.id());
+        // It may have ended by itself just now; then there is nothing to end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let id = self.child.id();
+        RUNNING.lock().unwrap_or_else(std::sync::PoisonError::into_inner).retain(|&other| other != id);
+    }
+}
+
+/// Ends all processes of a group, if there is one.
+fn end_group(leader: u32) {
+    #[cfg(unix)]
+    if let Ok(leader) = i32::try_from(leader) {
+        use nix::sys::signal::{Signal, killpg};
+        let _ = killpg(nix::unistd::Pid::from_raw(leader), Signal::SIGKILL);
+    }
+    #[cfg(not(unix))]
+    let _ = leader;
+}
+
 /// Fills in one word, from left to right.
-fn fill_word(word: &str, values: &[String; 7]) -> String {
-    let mut filled = String::new();
+fn fill_word(word: &str, values: &[OsString; 7]) -> OsString {
+    let mut filled = OsString::new();
     let mut rest = word;
     while let Some(at) = rest.find('{') {
-        filled += &rest[..at];
+        filled.push(&rest[..at]);
         rest = &rest[at..];
         match PLACES.iter().zip(values).find(|((place, _), _)| rest.starts_with(place)) {
             Some(((place, _), value)) => {
-                filled += value;
+                filled.push::<&OsStr>(value);
                 rest = &rest[place.len()..];
             }
             None => {
-                filled.push('{');
+                filled.push("{");
                 rest = &rest[1..];
             }
         }
     }
-    filled + rest
+    filled.push(rest);
+    filled
 }
 
 /// The end of what a program said.
@@ -218,5 +266,18 @@ mod tests {
         let message =
             run(&format!("sh -c 'exec sleep 60' x {all}"), Duration::from_millis(50)).expect_err("hangs");
         assert!(message.contains("not finished after 0.05 s"), "{message}");
+    }
+
+    /// What a script has started ends with it: nothing writes the file after a while.
+    #[cfg(unix)]
+    #[test]
+    fn what_hangs_ends_with_all_that_it_started() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let late = folder.path().join("late");
+        let script = format!("(sleep 1; touch {}) & wait", late.display());
+        let template = format!("sh -c '{script}' x {{input}} {{output}} {{width}} {{height}}");
+        run(&template, Duration::from_millis(200)).expect_err("hangs");
+        std::thread::sleep(Duration::from_millis(1500));
+        assert!(!late.exists());
     }
 }

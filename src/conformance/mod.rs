@@ -26,7 +26,7 @@ mod run;
 mod suite;
 
 pub use case::{Case, Expectation, Region, Sweep, Symptom};
-pub use command::CommandTemplate;
+pub use command::{CommandTemplate, end_renderers};
 pub use diagnose::{Diagnosis, diagnose};
 pub use judge::{CONFIDENCE, Judgement, POWER, Verdict, judge, samples_needed};
 pub use measure::{Estimate, measure};

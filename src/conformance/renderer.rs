@@ -50,7 +50,8 @@ impl Renderer {
         let film = match self {
             Self::Own(own) => own.render(job, control),
             Self::Command(template) => {
-                let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
+                let folder = tempfile::Builder::new().prefix("nephrite-").tempdir();
+                let folder = folder.map_err(|e| format!("no temporary folder: {e}"))?;
                 let output = folder.path().join("picture.exr");
                 template.run(job, &output, &|| control.cancelled())?;
                 read_exr(&output, MAX_PIXELS).map_err(|e| format!("the picture cannot be read: {e}"))

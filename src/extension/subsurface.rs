@@ -119,7 +119,7 @@ impl Extension for Subsurface {
                 format!("the mean free path is {:e} m, shorter than a wavelength of light", 1.0 / densest);
             loader.warn(own.pointer(), message, Some("coefficients are per metre"));
         }
-        out.medium = Some(MediumDescription {
+        let medium = MediumDescription {
             sigma_a,
             sigma_s,
             anisotropy,
@@ -128,7 +128,11 @@ impl Extension for Subsurface {
             absorption_texture,
             scattering_texture,
             multi_scatter: None,
-        });
+        };
+        if out.medium.as_ref().is_some_and(|other| !is_fallback(other, &medium)) {
+            loader.note(own.pointer(), format!("{NAME} replaces the material's other medium"));
+        }
+        out.medium = Some(medium);
         Ok(())
     }
 }
@@ -216,9 +220,17 @@ fn warn(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>, out: &Mate
             None,
         );
     }
-    if out.medium.is_some() {
-        loader.note(own.pointer(), format!("{NAME} replaces the material's other medium"));
-    }
+}
+
+/// Whether a medium is told again by another extension, for viewers that do not know this one. Numbers are as near as
+/// eyes can tell.
+fn is_fallback(other: &MediumDescription, medium: &MediumDescription) -> bool {
+    const NEAR: f32 = 0.02;
+    let extinction = (medium.sigma_a + medium.sigma_s).max_element();
+    let near = |a: Vec3, b: Vec3| (a - b).abs().max_element() <= NEAR * extinction;
+    near(other.sigma_a, medium.sigma_a)
+        && near(other.sigma_s, medium.sigma_s)
+        && (other.anisotropy - medium.anisotropy).abs() <= NEAR
 }
 
 /// The known property that a misspelt one most resembles.

@@ -59,6 +59,25 @@ use crate::scene::{MediumDescription, Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
 
+/// Whether somebody asked to stop. A walk may take minutes; one that sees this ends anywhere, and what it brings home is
+/// thrown away.
+#[derive(Clone, Copy)]
+pub struct Stop<'a>(pub Option<&'a (dyn Fn() -> bool + Sync)>);
+
+/// Events after which a walk that has no longer steps asks whether to stop.
+pub(crate) const BETWEEN_QUESTIONS: u32 = 64;
+
+impl Stop<'_> {
+    /// Nobody asks.
+    pub const NEVER: Self = Self(None);
+
+    /// Whether to stop.
+    #[inline]
+    pub fn asked(&self) -> bool {
+        self.0.is_some_and(|asked| asked())
+    }
+}
+
 /// A flight below a surface: which object, which medium.
 pub struct Flight<'a> {
     /// The scene.
@@ -75,6 +94,8 @@ pub struct Flight<'a> {
     pub budget: u32,
     /// How events in the medium can be connected to lights.
     pub connection: Connection,
+    /// Asked now and then by what may take long.
+    pub stop: Stop<'a>,
 }
 
 impl Flight<'_> {

@@ -32,7 +32,10 @@ use super::intruders::Intruders;
 use super::spectral::{Coefficients, draw_flight};
 use super::sphere_jumps::{Jumping, SphereJumps};
 use super::steps::{placed, scatter, survival};
-use super::{Aimed, Arrival, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel, textured};
+use super::{
+    Aimed, Arrival, BETWEEN_QUESTIONS, Connection, Connector, Flight, PathHead, Propagator, SubsurfaceModel,
+    textured,
+};
 use crate::geometry::{DistanceBound, Hit, MeshHit, Ray, offset_origin};
 use crate::optics::Medium;
 use crate::sampling::Sampler;
@@ -135,6 +138,9 @@ impl Propagator for Walker {
     }
 }
 
+/// Events after which a long walk asks whether to stop: well below a millisecond.
+const EVENTS_BETWEEN_QUESTIONS: u32 = 4096;
+
 /// The walk in a closed object that light can leave only through its boundary, in the object's own space. What else is
 /// inside is asked for where it can be.
 fn walk_inside(
@@ -200,6 +206,7 @@ fn walk_steered<S: Steering>(
     // Direction of travel before the last event.
     let mut before = d;
     distance.prefetch(p);
+    let mut question = EVENTS_BETWEEN_QUESTIONS;
     let mut draws = Draws::new(c.phase, sampler.rng());
     let mut next_flight = draw_flight(sampler.rng());
     let arrival = 'walk: loop {
@@ -284,6 +291,12 @@ fn walk_steered<S: Steering>(
         }
         beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);
         let survival = survival(beta.max_element() * radiance_scale, sampler.rng());
+        if head.events >= question {
+            question = head.events.saturating_add(EVENTS_BETWEEN_QUESTIONS);
+            if flight.stop.asked() {
+                break Arrival::Ended;
+            }
+        }
         if survival == 0.0 || head.events >= flight.budget {
             break Arrival::Ended;
         }
@@ -361,7 +374,8 @@ fn walk_in_scene(
             return Arrival::Ended;
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 {
+        let asked = head.events.is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
+        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
             return Arrival::Ended;
         }
     }

@@ -20,7 +20,7 @@
 
 use super::aiming::{AIMING_DEPTH, AIMING_FALLOFF, AIMING_RATE};
 use super::steps::{scatter, survival};
-use super::{Aim, Aimed, Arrival, Connection, Connector, Flight, PathHead};
+use super::{Aim, Aimed, Arrival, BETWEEN_QUESTIONS, Connection, Connector, Flight, PathHead};
 use crate::geometry::{Hit, MeshGeometry, Ray, Similarity};
 use crate::optics::albedo::{absorbed_from_multiple, single_from_multiple};
 use crate::sampling::{Sampler, SmallRng};
@@ -212,7 +212,8 @@ pub(super) fn propagate(
             }
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        let over = head.events >= flight.budget || nulls >= MOST_NULL_COLLISIONS;
+        let asked = (head.events + nulls).is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
+        let over = head.events >= flight.budget || nulls >= MOST_NULL_COLLISIONS || asked;
         if over || head.throughput.max_element() <= 0.0 {
             return Arrival::Ended;
         }

@@ -25,6 +25,7 @@ mod split;
 mod state;
 mod surroundings;
 mod terminator;
+mod threads;
 mod weight;
 
 pub use media::{Enclosure, MediumStack};

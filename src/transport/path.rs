@@ -12,12 +12,14 @@ use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
 use crate::sampling::Sampler;
 use crate::scene::{Camera, Footprint, Object, Scene};
-use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator};
+use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator, Stop};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
 
 /// Lights that are sampled where a BSSRDF lets light into its object: what differs most between the exits near a point.
 const LIGHTS_AT_EXITS: u32 = 3;
+/// Surfaces and walks after which a long path asks whether to stop.
+const TURNS_BETWEEN_QUESTIONS: u32 = 256;
 /// Surfaces that a path may pass straight, so that none goes on for ever.
 const MOST_PASSES: u32 = 1 << 20;
 
@@ -30,6 +32,7 @@ pub(super) struct PathTracer<'a> {
     /// The media around the camera.
     pub surroundings: &'a Surroundings,
     pub counters: Cell<Counters>,
+    pub stop: Stop<'a>,
 }
 
 impl PathTracer<'_> {
@@ -93,7 +96,12 @@ impl PathTracer<'_> {
         radiance: &mut Vec3,
         sampler: &mut Sampler,
     ) -> Option<Caught> {
+        let mut turns = 0_u32;
         while path.passes < MOST_PASSES {
+            turns = turns.wrapping_add(1);
+            if turns.is_multiple_of(TURNS_BETWEEN_QUESTIONS) && self.stop.asked() {
+                break;
+            }
             if path.place.is_some() {
                 if self.meet_in_place(path, radiance, sampler) {
                     continue;
@@ -199,7 +207,8 @@ impl PathTracer<'_> {
         let budget = self.options.max_depth.saturating_sub(path.events).saturating_add(1);
         let connection = self.connection(path, object, medium);
         let eta = medium.ior / self.ior_of(path.stack.below());
-        let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection };
+        let stop = self.stop;
+        let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection, stop };
         let from = path.head.position;
         path.head.events = 0;
         path.head.aimed = Aimed::default();

@@ -8,16 +8,19 @@ use super::path::PathTracer;
 use super::pixel::{Composite, Coverage, into_film};
 use super::state::Counters;
 use super::surroundings::Surroundings;
+use super::threads::on_threads;
 use crate::film::Film;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;
 use crate::scene::{Camera, CameraDescription, Scene};
-use crate::subsurface::{Propagator, Registry};
+use crate::subsurface::{Propagator, Registry, Stop};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Samples after which a tile asks whether to stop; long ones ask by themselves.
+const SAMPLES_BETWEEN_QUESTIONS: u32 = 16;
 /// Edge of a tile in pixels.
 const TILE: u32 = 16;
 /// Most samples a pixel in one pass.
@@ -36,7 +39,7 @@ pub struct RenderOptions {
     pub first_sample: u32,
     /// Seed: another seed, another noise.
     pub seed: u32,
-    /// Threads, 0 for all.
+    /// Threads, 0 for those of the thread pool that is there: by default as many as the machine has.
     pub threads: usize,
     /// The view.
     pub camera: CameraDescription,
@@ -92,7 +95,7 @@ impl RenderOptions {
 pub trait RenderControl: Sync {
     /// Called now and then with the samples done so far and in all.
     fn advance(&self, samples_done: u64, samples_total: u64);
-    /// Whether to stop; what is finished is kept.
+    /// Whether to stop; what is finished is kept. Asked often, also within walks; once it is so it stays so.
     fn cancelled(&self) -> bool;
     /// Called between passes, while nothing is rendered; `picture` makes the picture so far, whose pixels all have the
     /// same number of samples.
@@ -164,6 +167,16 @@ pub enum RenderError {
         /// Samples a pixel.
         spp: u32,
     },
+    /// There is no memory for the picture.
+    #[error("there is no memory for {width}×{height} pixels, which take {:.1} GB", *bytes as f64 / 1e9)]
+    Memory {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// What is needed.
+        bytes: u64,
+    },
     /// The operating system gave no threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
@@ -216,14 +229,21 @@ pub fn render_with(
         name: options.subsurface.clone(),
         known: models.iter().map(|m| m.name().to_owned()).collect(),
     })?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build()
-        .map_err(|e| RenderError::Threads { threads: options.threads, reason: e.to_string() })?;
-    Ok(pool.install(|| {
+    check_memory(options)?;
+    let rendered = on_threads(options.threads, || {
         let propagator = model.prepare(scene);
         Job { scene, options, control, model: propagator.as_ref() }.run()
-    }))
+    });
+    rendered.map_err(|reason| RenderError::Threads { threads: options.thread_count(), reason })
+}
+
+/// Whether there is memory for the sums and the picture, as far as the system tells before it is used.
+fn check_memory(options: &RenderOptions) -> Result<(), RenderError> {
+    let &RenderOptions { width, height, .. } = options;
+    let pixel = size_of::<DVec3>() + size_of::<Coverage>() + 2 * size_of::<glam::Vec3>();
+    let bytes = (pixel as u64).saturating_mul(u64::from(width) * u64::from(height));
+    let room = usize::try_from(bytes).is_ok_and(|n| Vec::<u8>::new().try_reserve_exact(n).is_ok());
+    if room { Ok(()) } else { Err(RenderError::Memory { width, height, bytes }) }
 }
 
 struct Job<'a> {
@@ -250,7 +270,9 @@ impl Job<'_> {
                 if self.control.cancelled() {
                     return;
                 }
-                self.render_tile(tile, first..last, &camera, &surroundings);
+                if !self.render_tile(tile, first..last, &camera, &surroundings) {
+                    return;
+                }
                 let samples = tile.sums.len() as u64 * u64::from(last - first);
                 let so_far = done.fetch_add(samples, Ordering::Relaxed) + samples;
                 self.control.advance(so_far, total);
@@ -263,13 +285,18 @@ impl Job<'_> {
         self.assemble(&tiles)
     }
 
+    /// Adds samples to a tile; false if it was cancelled on the way. Then the tile is as it was before: all of its pixels
+    /// have the same samples, and none of them is that of a path that ended before its time.
     fn render_tile(
         &self,
         tile: &mut Tile,
         samples: std::ops::Range<u32>,
         camera: &Camera,
         surroundings: &Surroundings,
-    ) {
+    ) -> bool {
+        let asked = || self.control.cancelled();
+        let stop = Stop(Some(&asked));
+        let before = (tile.sums.clone(), tile.coverage.clone());
         let tracer = PathTracer {
             scene: self.scene,
             options: self.options,
@@ -277,9 +304,11 @@ impl Job<'_> {
             camera,
             surroundings,
             counters: Cell::new(tile.counters),
+            stop,
         };
         let positions = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
-        for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
+        let mut done = 0_u32;
+        'pixels: for (i, ((x, y), sum)) in positions.zip(&mut tile.sums).enumerate() {
             let (x, y) = (tile.x + x, tile.y + y);
             for sample in samples.clone() {
                 let index = self.options.first_sample.wrapping_add(sample);
@@ -289,10 +318,19 @@ impl Job<'_> {
                 if let Some(coverage) = tile.coverage.get_mut(i) {
                     coverage.add(&found);
                 }
+                done = done.wrapping_add(1);
+                if done.is_multiple_of(SAMPLES_BETWEEN_QUESTIONS) && stop.asked() {
+                    break 'pixels;
+                }
             }
+        }
+        if stop.asked() {
+            (tile.sums, tile.coverage) = before;
+            return false;
         }
         tile.samples = samples.end;
         tile.counters = tracer.counters.get();
+        true
     }
 
     fn has_coverage(&self) -> bool {

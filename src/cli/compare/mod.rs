@@ -10,7 +10,9 @@ mod sheet;
 use super::Failure;
 use super::args::CompareArgs;
 use super::interrupt;
-use super::job::{cannot_write, check_output, check_pixels, file_name, write_text};
+use super::job::{
+    Failures, cannot_write, check_not_inputs, check_output, check_pixels, file_name, write_text,
+};
 use super::message::Reporter;
 use super::pipeline::{self, Registry};
 use super::progress::Progress;
@@ -21,7 +23,7 @@ use crate::film::compare::{Comparison, Halves};
 use crate::film::figure;
 use crate::film::{Film, Format};
 use crate::sampling::rng::{hash3, mix64};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The model that the others are compared with.
 const REFERENCE: &str = "random-walk";
@@ -59,11 +61,10 @@ struct Results {
 /// Compares as the arguments say.
 pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     let outputs = Outputs::new(&args)?;
-    interrupt::install()?;
     let reporter = Reporter::new(args.scene.quiet);
     let progress = Progress::new(args.scene.quiet);
     let size = Size { asked: args.size, longest_side: LONGEST_SIDE };
-    let mut prepared = Prepared::new(&args.scene, size, &args.blur, &reporter, &progress)?;
+    let mut prepared = Prepared::new(&args.scene, size, &args.blur, &outputs.paths(), &reporter, &progress)?;
     let models = pipeline::models(args.scene.brdf_cosines);
     let names = chosen(&args.models, &models);
     check_sheet(names.len() + 1, &prepared)?;
@@ -72,6 +73,7 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     }
 
     let mut bench = Bench::new(&args, &mut prepared, &models, &reporter, &progress, names.len());
+    interrupt::finish_at_first();
     progress.rendering();
     let found = bench.run(&names);
     progress.clear();
@@ -81,10 +83,13 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     };
     let drawn = sheet::draw(&args, &prepared, &results)?;
     let attributes = report::attributes(&args, &prepared, &results);
-    drawn.picture.write_png(&outputs.sheet, &attributes).map_err(|e| cannot_write(&outputs.sheet, e))?;
+    let mut failures = Failures::default();
+    let written = drawn.picture.write_png(&outputs.sheet, &attributes);
+    failures.note(written.map_err(|e| cannot_write(&outputs.sheet, e)));
     let json = report::json(&args, &prepared, &results, drawn.full_scale);
-    write_text(&outputs.json, &format!("{json:#}\n"))?;
-    write_text(&outputs.csv, &report::csv(&results))?;
+    failures.note(write_text(&outputs.json, &format!("{json:#}\n")));
+    failures.note(write_text(&outputs.csv, &report::csv(&results)));
+    failures.finish()?;
     if results.models.len() < names.len() {
         reporter.warning(format!(
             "interrupted: the sheet has {} of {} models",
@@ -119,10 +124,13 @@ impl Outputs {
             check_pixels(width, height).map_err(Failure::Usage)?;
         }
         let outputs = Self { json: sheet.with_extension("json"), csv: sheet.with_extension("csv"), sheet };
-        for path in [&outputs.sheet, &outputs.json, &outputs.csv] {
-            check_output(path)?;
-        }
+        check_not_inputs(&outputs.paths(), &args.scene.inputs())?;
+        outputs.paths().into_iter().try_for_each(check_output)?;
         Ok(outputs)
+    }
+
+    fn paths(&self) -> [&Path; 3] {
+        [&self.sheet, &self.json, &self.csv]
     }
 }
 

@@ -4,6 +4,7 @@ use super::format::{count, length, lengths, number, triple};
 use super::report::{MediumReport, ObjectReport, Report};
 use crate::asset::AnimationSummary;
 use crate::cli::message::grouped;
+use crate::cli::message::{also_in, printable};
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
 use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
@@ -29,7 +30,7 @@ pub(super) fn describe(report: &Report<'_>, scene: &SceneDescription) -> String 
 
 fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> std::fmt::Result {
     let summary = report.summary;
-    writeln!(out, "{}", report.file)?;
+    writeln!(out, "{}", printable(&report.file))?;
     if let Some(generator) = &summary.generator {
         line(out, "written by", generator)?;
     }
@@ -187,7 +188,7 @@ fn ignored(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
         writeln!(out, "\nignored")?;
     }
     for (name, why) in ignored {
-        writeln!(out, "  {name}: {why}")?;
+        writeln!(out, "  {}: {}", printable(name), printable(why))?;
     }
     Ok(())
 }
@@ -202,15 +203,15 @@ fn findings(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
             writeln!(out, "\n{title}")?;
         }
         for (diagnostic, more) in found {
-            let more = if more > 0 { format!(" [and in {more} more places]") } else { String::new() };
-            writeln!(out, "  {diagnostic}{more}")?;
+            let more = if more > 0 { also_in(more) } else { String::new() };
+            writeln!(out, "  {}{more}", printable(&diagnostic.to_string()))?;
         }
     }
     Ok(())
 }
 
 fn line(out: &mut String, name: &str, value: &str) -> std::fmt::Result {
-    writeln!(out, "  {name:<17} {value}")
+    writeln!(out, "  {name:<17} {}", printable(value))
 }
 
 fn names<'a>(all: impl ExactSizeIterator<Item = &'a str>) -> String {

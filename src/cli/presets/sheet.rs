@@ -37,7 +37,7 @@ pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
         return Err(Failure::Usage("--radius: a length above 0 is expected".to_owned()));
     }
     check_output(path)?;
-    interrupt::install()?;
+    interrupt::finish_at_first();
     let reporter = Reporter::new(args.quiet);
     let progress = Progress::new(args.quiet);
     progress.rendering();

@@ -2,7 +2,7 @@
 
 use crate::cli::Failure;
 use crate::cli::args::ProfileArgs;
-use crate::cli::job::check_output;
+use crate::cli::job::{check_distinct, check_output};
 use crate::cli::names;
 use crate::cli::pipeline::Registry;
 use crate::cli::values::{ChannelArg, LengthUnit, MediumArg};
@@ -41,11 +41,9 @@ impl ProfileJob {
     pub fn new(args: ProfileArgs, models: &Registry) -> Result<Self, Failure> {
         let mut outputs: Vec<(PathBuf, Kind)> = Vec::new();
         for path in &args.output {
-            if outputs.iter().any(|(other, _)| other == path) {
-                return Err(Failure::Usage(format!("{} is asked for twice", path.display())));
-            }
             outputs.push((path.clone(), kind(path)?));
         }
+        check_distinct(&outputs.iter().map(|(path, _)| path.as_path()).collect::<Vec<_>>())?;
         let channels = channels(&args)?;
         let asked = args.models.iter().map(String::as_str);
         let all = models.iter().map(|model| model.name());
@@ -82,6 +80,7 @@ fn channels(args: &ProfileArgs) -> Result<Vec<Channel>, Failure> {
         (MediumArg::Numbers(c), None) => {
             let per_m = match args.unit {
                 LengthUnit::Metre => 1.0,
+                LengthUnit::Centimetre => 100.0,
                 LengthUnit::Millimetre => 1000.0,
             };
             let (sigma_a, sigma_s) = (per_m * c.sigma_a, per_m * c.sigma_s);

@@ -11,7 +11,7 @@ mod report;
 use super::Failure;
 use super::args::ProfileArgs;
 use super::interrupt;
-use super::job::{cannot_write, write_text};
+use super::job::{Failures, cannot_write, write_text};
 use super::message::Reporter;
 use super::pipeline::{self, Cosines, Registry};
 use super::progress::Progress;
@@ -74,7 +74,7 @@ struct Curves {
 pub(super) fn run(args: ProfileArgs) -> Result<(), Failure> {
     let models = pipeline::models(Cosines::default());
     let job = ProfileJob::new(args, &models)?;
-    interrupt::install()?;
+    interrupt::finish_at_first();
     let reporter = Reporter::new(job.args.quiet);
     let progress = Progress::new(job.args.quiet);
     progress.rendering();
@@ -88,16 +88,17 @@ pub(super) fn run(args: ProfileArgs) -> Result<(), Failure> {
     for (name, reason) in found.iter().flat_map(|curves| &curves.left_out) {
         reporter.note(format!("{name} is left out: {reason}"));
     }
+    let mut failures = Failures::default();
     for (path, kind) in &job.outputs {
-        match kind {
-            Kind::Png => {
-                let picture = figure::draw(&found).map_err(Failure::cannot)?;
-                picture.write_png(path, &report::attributes(&job)).map_err(|e| cannot_write(path, e))?;
-            }
-            Kind::Csv => write_text(path, &report::csv(&found))?,
-            Kind::Json => write_text(path, &format!("{:#}\n", report::json(&job, &found)))?,
-        }
+        failures.note(match kind {
+            Kind::Png => figure::draw(&found).map_err(Failure::cannot).and_then(|picture| {
+                picture.write_png(path, &report::attributes(&job)).map_err(|e| cannot_write(path, e))
+            }),
+            Kind::Csv => write_text(path, &report::csv(&found)),
+            Kind::Json => write_text(path, &format!("{:#}\n", report::json(&job, &found))),
+        });
     }
+    failures.finish()?;
     if interrupt::requested() {
         reporter.warning("interrupted: what was measured so far is written");
         return Err(Failure::Interrupted);

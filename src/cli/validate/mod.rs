@@ -3,7 +3,7 @@
 use super::Failure;
 use super::author_args::ValidateArgs;
 use super::authored::cannot_read;
-use super::message::grouped;
+use super::message::{also_in, grouped, printable};
 use crate::asset::{LoadOptions, Severity, load_bytes};
 use crate::author::{AuthoredFile, check};
 use crate::film::atomic::directory_of;
@@ -38,11 +38,12 @@ pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
                 Severity::Warning => "warning",
                 Severity::Note => "note",
             };
-            let more = if more > 0 { format!(" [and in {more} more places]") } else { String::new() };
+            let more = if more > 0 { also_in(more) } else { String::new() };
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{kind}: {diagnostic}{more}");
+            let _ = writeln!(text, "{kind}: {}{more}", printable(&diagnostic.to_string()));
         }
-        let _ = writeln!(text, "{}: {}", args.input.display(), counted([errors, warnings, notes]));
+        let file = args.input.display().to_string();
+        let _ = writeln!(text, "{}: {}", printable(&file), counted([errors, warnings, notes]));
     }
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(Failure::cannot(error)),

@@ -47,7 +47,7 @@ fn escape(text: &str) -> String {
             '>' => out += "&gt;",
             '"' => out += "&quot;",
             '\'' => out += "&#39;",
-            c if c < ' ' && !matches!(c, '\n' | '\t') => out.push(' '),
+            c if c.is_control() && !matches!(c, '\n' | '\t') => out.push(' '),
             '\u{fffe}' | '\u{ffff}' => out.push(' '),
             c => out.push(c),
         }

@@ -21,6 +21,7 @@ mod half_space;
 
 use super::media::Enclosure;
 use super::render::RenderControl;
+use super::threads::on_threads;
 use crate::geometry::{Hit, offset_origin};
 use crate::light::{LightPoint, LightSample};
 use crate::optics::diffusion::Coefficients;
@@ -28,7 +29,8 @@ use crate::optics::{HenyeyGreenstein, Medium, fresnel};
 use crate::sampling::Sampler;
 use crate::scene::{Scene, SceneError, Surface};
 use crate::subsurface::{
-    Aim, Aimed, Arrival, Connection, Connector, Exit, Flight, PathHead, Propagator, Start, SubsurfaceModel,
+    Aim, Aimed, Arrival, Connection, Connector, Exit, Flight, PathHead, Propagator, Start, Stop,
+    SubsurfaceModel,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -136,14 +138,13 @@ pub fn measure(
     let (description, face) = half_space::build(c);
     let scene = Scene::build(description)?;
     let medium = scene.medium(0).ok_or(SearchlightError::NothingScattered)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(light.threads)
-        .build()
-        .map_err(|e| SearchlightError::Threads { threads: light.threads, reason: e.to_string() })?;
-    pool.install(|| {
+    let found = on_threads(light.threads, || {
         let propagator = model.prepare(&scene);
-        Bench { scene: &scene, medium, face, propagator: propagator.as_ref(), light }.run(control)
-    })
+        let asked = || control.cancelled();
+        let stop = Stop(Some(&asked));
+        Bench { scene: &scene, medium, face, propagator: propagator.as_ref(), light, stop }.run(control)
+    });
+    found.map_err(|reason| SearchlightError::Threads { threads: light.threads, reason })?
 }
 
 /// What a path brings home, by radius.
@@ -172,6 +173,7 @@ struct Bench<'a> {
     face: u32,
     propagator: &'a dyn Propagator,
     light: &'a Searchlight,
+    stop: Stop<'a>,
 }
 
 impl Bench<'_> {
@@ -193,6 +195,9 @@ impl Bench<'_> {
                         control.advance(done.fetch_add(step, Ordering::Relaxed), total);
                     }
                     self.follow(&mut Sampler::new(batch, path, self.light.seed), &mut tally);
+                    if self.stop.asked() {
+                        return None;
+                    }
                 }
                 Some(tally)
             })
@@ -236,11 +241,12 @@ impl Bench<'_> {
             eta,
             budget: u32::MAX,
             connection: Connection::None,
+            stop: self.stop,
         };
         // The first vertex of the first triangle is the middle of the face.
         let entry = Surface::new(self.scene, &Hit::at(0, 0, 0.0, 0.0));
         let mut head = leave(&entry, -entry.geometric_normal, Vec3::splat(1.0 / (eta * eta)));
-        loop {
+        while !self.stop.asked() {
             let arrival = self.propagator.propagate(&flight, &mut head, sampler, &mut Everywhere { tally });
             match arrival {
                 Arrival::Exit(exit) => {

@@ -1,0 +1,74 @@
+//! What is said to people who type what they know from elsewhere.
+
+use super::util::{Sandbox, tetrahedra, triangle};
+
+#[test]
+fn what_was_probably_meant_is_said() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", triangle(""));
+    sandbox.file("m.gltf", tetrahedra("[{}]", r#"[{ "mesh": 0 }]"#, None));
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["render", "a.gltf", "-o", "a.png", "--samples", "3"], &["'--spp'", "nephrite render --help"]),
+        (&["render", "a.gltf", "-o", "a.png", "--hdri=x.hdr"], &["'--env'"]),
+        (&["render", "a.gltf", "a.png"], &["-o a.png", "nephrite render --help"]),
+        (&["render", "a.gltf", "-o", "a.png", "-o", "a.png"], &["nephrite render --help"]),
+        (&["render", "a.gltf", "-o", "a.png", "--size", "640"], &["640 is one side", "1280x720"]),
+        (&["render", "a.gltf", "-o", "a.png", "--env-intensity", "-1"], &["at least 0"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--absorption", "-3"], &["at least 0"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--absorption", "-3,1,1"], &["at least 0"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--density", "-1"], &["at least 0"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--mean-free-path", "1mm"], &["--unit mm"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--unit", "inch"], &["known: cm, m, mm"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--color", "#12"], &["#rrggbb"]),
+        (&["profile", "-o", "a.csv", "--medium", "1,x,2,0,1.3"], &["\"x\" is no number"]),
+    ];
+    for (args, texts) in cases {
+        sandbox.run(args).exits(2).says(texts);
+    }
+    let edit = ["edit", "m.gltf", "-o", "b.gltf", "--material", "0", "--unit", "cm"];
+    let hex = ["--color", "#3fa060", "--mean-free-path", "0.1"];
+    sandbox.run(&[&edit[..], &hex].concat()).exits(0);
+    // What `edit` writes for other viewers is nothing to talk about, what says something else is.
+    let render = ["render", "b.gltf", "-o", "b.png", "--size", "4x4", "--spp", "1"];
+    let run = sandbox.run(&render).exits(0);
+    run.check(!run.stderr.contains("other medium"), "should not tell of its own fallback");
+    let change = ["edit", "c.gltf", "-o", "d.gltf", "--material", "0", "--no-fallback", "--scattering", "7"];
+    sandbox.run(&["edit", "m.gltf", "-o", "c.gltf", "--material", "0", "--preset", "marble"]).exits(0);
+    sandbox.run(&change).exits(0);
+    sandbox
+        .run(&["render", "d.gltf", "-o", "d.png", "--size", "4x4", "--spp", "1"])
+        .exits(0)
+        .says(&["other medium"]);
+    let run = sandbox.run(&["render", "--help"]).exits(0);
+    for model in ["random-walk", "accelerated-walk", "better-dipole"] {
+        run.check(run.stdout.contains(model), model);
+    }
+}
+
+#[test]
+fn strict_fails_on_images_that_are_not_there() {
+    let sandbox = Sandbox::new();
+    let textured = |uri: &str| {
+        triangle(&format!(
+            r#""images": [{{ "uri": "{uri}" }}], "textures": [{{ "source": 0 }}],
+            "materials": [{{ "pbrMetallicRoughness": {{ "baseColorTexture": {{ "index": 0 }} }} }}],"#
+        ))
+        .replace(r#""POSITION": 0 } }"#, r#""POSITION": 0 }, "material": 0 }"#)
+    };
+    sandbox.file("missing.gltf", textured("no.png"));
+    sandbox.file("broken.gltf", textured("broken.png"));
+    sandbox.file("broken.png", "\u{89}PNG no more");
+    for name in ["missing.gltf", "broken.gltf"] {
+        let args = ["render", name, "-o", "a.png", "--size", "4x4", "--spp", "1"];
+        sandbox.run(&args).exits(0).says(&["warning:", "left out"]);
+        sandbox.run(&[&args[..], &["--strict"]].concat()).exits(1).says(&["error:", "/images/0"]);
+    }
+}
+
+#[test]
+fn one_is_not_many() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", triangle(""));
+    let args = ["render", "a.gltf", "-o", "a.png", "--size", "4x4", "--spp", "1"];
+    sandbox.run(&args).exits(0).says(&["1 sample a pixel"]);
+}
