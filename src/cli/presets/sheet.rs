@@ -4,7 +4,7 @@ use crate::cli::Failure;
 use crate::cli::author_args::PresetsArgs;
 use crate::cli::interrupt;
 use crate::cli::job::{cannot_write, check_output};
-use crate::cli::message::Reporter;
+use crate::cli::message::{Reporter, count};
 use crate::cli::pipeline::{self, Registry, RenderControl, RenderOptions};
 use crate::cli::progress::Progress;
 use crate::film::ToneMap;
@@ -48,9 +48,9 @@ pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
         cells: cells?,
         columns: Some(COLUMNS),
         footer: format!(
-            "Spheres of {} mm radius in the built-in studio, {} samples a pixel, random walk, PBR Neutral. [J] {}. [N] {}. [O] {}.",
+            "Spheres of {} mm radius in the built-in studio, {} a pixel, random walk, PBR Neutral. [J] {}. [N] {}. [O] {}.",
             args.radius,
-            args.spp,
+            count(args.spp.into(), "sample", "samples"),
             Source::Jensen2001.citation(),
             Source::Narasimhan2006.citation(),
             Source::OpenPbr.citation()
