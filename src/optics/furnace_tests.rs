@@ -84,6 +84,7 @@ fn general(plain: SurfaceParameters) -> SubstrateParameters {
         diffuse_transmission: (0.0, Vec3::ONE),
         scatter: (0.0, Vec3::ONE, 1.0),
         eta: 1.0,
+        diffuse_roughness: 0.0,
     }
 }
 

@@ -24,6 +24,7 @@ fn substrate(plain: SurfaceParameters) -> SubstrateParameters {
         diffuse_transmission: (0.0, Vec3::ONE),
         scatter: (0.0, Vec3::ONE, 1.0),
         eta: 1.0,
+        diffuse_roughness: 0.0,
     }
 }
 
@@ -91,8 +92,8 @@ fn energy(l: &Layered, wo: Vec3, eta: f32) -> f32 {
 
 /// Light that a smooth coat reflects into one direction is counted apart.
 fn mirrored(l: &Layered, wo: Vec3) -> f32 {
-    match &l.coat {
-        Some(coat) if coat.is_smooth() => l.albedos(wo).0,
+    match &l.stack.coat {
+        Some(coat) if coat.is_smooth() => l.held(wo).coat,
         _ => 0.0,
     }
 }
