@@ -14,7 +14,8 @@ fn builder(extensions: &Value) -> Builder {
     let mut b = Builder::with_material(json!({
         "pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions,
     }));
-    let mut names: Vec<&str> = extensions.as_object().expect("an object").keys().map(String::as_str).collect();
+    let mut names: Vec<&str> =
+        extensions.as_object().expect("an object").keys().map(String::as_str).collect();
     names.push("KHR_texture_transform");
     b.json["extensionsUsed"] = json!(names);
     b.push("images", json!({"uri": PNG}));
@@ -191,7 +192,8 @@ fn their_properties_can_be_animated() {
             "samplers": [{"input": input, "output": output}],
         }]);
         let bytes = b.document().to_string().into_bytes();
-        let mut asset = Asset::from_bytes(bytes, Path::new("/nowhere"), &LoadOptions::default()).expect("opens");
+        let mut asset =
+            Asset::from_bytes(bytes, Path::new("/nowhere"), &LoadOptions::default()).expect("opens");
         let loaded = asset.load(&Moment { animations: vec![0], time: 0.5 }).expect("it loads");
         loaded.scene.materials[0].clone()
     };
@@ -209,7 +211,8 @@ fn their_properties_can_be_animated() {
     assert_eq!((fuzz("fuzzFactor").factor, fuzz("fuzzRoughnessFactor").roughness), (0.5, 0.5));
     let rough = number("KHR_materials_diffuse_roughness/diffuseRoughnessFactor").diffuse_roughness;
     assert_eq!(rough.expect("diffuse facets").factor, 0.5);
-    for (pointer, get) in [("KHR_materials_coat/coatColorFactor", true), ("KHR_materials_fuzz/fuzzColorFactor", false)]
+    for (pointer, get) in
+        [("KHR_materials_coat/coatColorFactor", true), ("KHR_materials_fuzz/fuzzColorFactor", false)]
     {
         let layers = moved(pointer, "VEC3", &[0.0, 0.5, 1.0], &[1.0, 0.5, 0.0]).layers.expect("layers");
         let color = if get { layers.coat.expect("a coat").color } else { layers.fuzz.expect("fuzz").color };

@@ -35,6 +35,8 @@ enum Kept {
     /// A wall that facets with a film let through: they take the maximum each for itself, and together leave
     /// 1 − E\[max F\] + E\[F\], which is at most 1; films of this test come to 0.98.
     FilmedWall,
+    /// All, but for what a brushed coat throws back, which takes the mean of its two widths: half a percent more.
+    BrushedCoat,
 }
 
 impl Kept {
@@ -42,6 +44,7 @@ impl Kept {
     fn off(self, e: Vec3) -> f32 {
         match self {
             Self::All => (e - Vec3::ONE).abs().max_element(),
+            Self::BrushedCoat => ((e - Vec3::ONE).abs().max_element() - 0.005).max(0.0),
             Self::Strongest => (e.max_element() - 1.0).abs(),
             Self::FilmedWall => (e.max_element() - 1.0).max(0.98 - e.max_element()).max(0.0),
         }
@@ -239,13 +242,19 @@ impl Whites {
             ),
         ];
         for (name, stack) in stacks {
+            let kept = if name.contains("brushed") { Kept::BrushedCoat } else { Kept::All };
             for (m, t) in [(1.0f32, 0.0f32), (0.0, 0.0), (0.3, 0.4)] {
                 let surface = Layered::stacked(stack, Base::surface(&plain(m, a, t)), None);
-                self.add(format!("{name} on {m} {t}, {a}"), surface, 1.0, Kept::All);
+                self.add(format!("{name} on {m} {t}, {a}"), surface, 1.0, kept);
             }
             let glass = Base::Boundary(DielectricBoundary::new(1.5, a, Microfacet::Multiple), Vec3::ONE);
             if !name.contains("brushed") && !name.contains("2.4") {
-                self.add(format!("{name} on glass, {a}"), Layered::stacked(stack, glass, None), 1.5, Kept::All);
+                self.add(
+                    format!("{name} on glass, {a}"),
+                    Layered::stacked(stack, glass, None),
+                    1.5,
+                    Kept::All,
+                );
             }
         }
     }

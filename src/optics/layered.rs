@@ -153,7 +153,8 @@ impl Layered {
             back.below_lost = mean(&|w| self.base.handed_back(w) * self.stack.mean_held(w.z).all);
             let average = mean(&|w| self.held_turned(w, back.below_lost));
             if average > 1e-6 {
-                back.below = tint * tint * self.mean_thrown() * (1.0 - if self.rest.is_some() { share } else { 0.0 });
+                back.below =
+                    tint * tint * self.mean_thrown() * (1.0 - if self.rest.is_some() { share } else { 0.0 });
                 back.below_norm = 1.0 / average;
             }
         }

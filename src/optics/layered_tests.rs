@@ -1,4 +1,3 @@
-use super::super::{CoatParameters, DielectricBoundary, Fuzz};
 use super::super::anisotropic::Facets;
 use super::super::boundary::Microfacet;
 use super::super::metallic_roughness::SurfaceParameters;
@@ -6,6 +5,7 @@ use super::super::substrate::{Substrate, SubstrateParameters};
 use super::super::test_support::{Rng, chi_square, direction, hemisphere};
 use super::super::thin_film::ThinFilm;
 use super::super::treated::TreatedBoundary;
+use super::super::{CoatParameters, DielectricBoundary, Fuzz};
 use super::*;
 
 fn plain(metallic: f32, alpha: f32, transmission: f32) -> SurfaceParameters {

@@ -41,7 +41,10 @@ fn without_a_coat_it_is_the_papers_model() {
             let expected = eon(f64::from(rho), f64::from(r), wide(o), wide(i)).0 * f64::from(i.z);
             let found = f64::from(value(&lobes, rho, o, i));
             // The mean of E over all directions is by eight nodes.
-            assert!((found - expected).abs() < 1e-3 * expected + 1e-5, "{r} {rho} {o} {i}: {found} {expected}");
+            assert!(
+                (found - expected).abs() < 1e-3 * expected + 1e-5,
+                "{r} {rho} {o} {i}: {found} {expected}"
+            );
         }
     }
 }

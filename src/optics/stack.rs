@@ -10,6 +10,11 @@ use super::sheen::Sheen;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
+/// Where, below a cosine, what a coat holds back lies on average: at 1/4 of Schlick's (1 − µ)⁵ under Lambert's law, and
+/// not above the direction.
+const COAT_HOLDS: f32 = 0.6;
+const COAT_HOLDS_SCHLICK: f32 = 0.25;
+
 /// Layers; each may be missing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stack {
@@ -79,9 +84,16 @@ impl Stack {
     }
 
     /// R of all layers on a base that spreads light so, for a direction turned to its facets.
+    ///
+    /// Of fuzz on a coat E_i − E_o = (Z_i − Z_o)(1 − C_o) + (1 − Z_i)(C_i − C_o), with Z_i where the coat holds back most
+    /// of what is below the direction.
     pub(super) fn residue(&self, w: Vec3, spread: &Spread) -> f32 {
-        let fuzz = self.fuzz.as_ref().map_or(0.0, |f| f.residue(w, spread));
-        let coat = self.coat.as_ref().map_or(0.0, |c| c.residue(w, spread));
+        let mut coat = self.coat.as_ref().map_or(0.0, |c| c.residue(w, spread));
+        let mut fuzz = 0.0;
+        if let Some(layer) = &self.fuzz {
+            fuzz = layer.residue(w, spread) * (1.0 - self.coat.as_ref().map_or(0.0, |c| c.mean_albedo(w.z)));
+            coat *= 1.0 - layer.held((COAT_HOLDS * w.z).min(COAT_HOLDS_SCHLICK));
+        }
         fuzz + coat + self.sheen.as_ref().map_or(0.0, |s| s.residue(w, spread))
     }
 

@@ -7,8 +7,8 @@
 //! A ray that finds an emitter by chance passes where it is not covered, so light sampling multiplies by the coverage;
 //! [`Scene::emission`] does not.
 
-use super::texture;
 use super::layers::Layers;
+use super::texture;
 use super::{AlphaMode, MaterialDescription, MeshDescription, Scene, SceneDescription, Surface, TextureRef};
 use crate::light::EmissionField;
 use crate::optics::{self, fresnel};

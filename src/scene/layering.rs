@@ -5,8 +5,8 @@ use super::layers::{Anisotropy, Coat as Coating, Fuzz as Fuzzy, Iridescence, Lay
 use super::material::Shading;
 use super::{Scene, Surface, TextureRef};
 use crate::optics::{
-    Base, Coat, CoatParameters, DielectricBoundary, Facets, Fuzz, Layered, Microfacet, Mixed, Sheen as Fibres,
-    Stack, Substrate, SubstrateParameters, ThinFilm, TreatedBoundary,
+    Base, Coat, CoatParameters, DielectricBoundary, Facets, Fuzz, Layered, Microfacet, Mixed,
+    Sheen as Fibres, Stack, Substrate, SubstrateParameters, ThinFilm, TreatedBoundary,
 };
 use glam::{Vec2, Vec3, Vec4};
 
@@ -113,13 +113,7 @@ fn coat(scene: &Scene, surface: &Surface, c: &Coating) -> PlacedCoat {
 }
 
 /// Fuzz has the normal of what is below, between those of the base and of a coat by the weight of the coat.
-fn fuzz(
-    scene: &Scene,
-    surface: &Surface,
-    f: &Fuzzy,
-    normal: Vec3,
-    coat: Option<&PlacedCoat>,
-) -> PlacedFuzz {
+fn fuzz(scene: &Scene, surface: &Surface, f: &Fuzzy, normal: Vec3, coat: Option<&PlacedCoat>) -> PlacedFuzz {
     let read = |t: &Option<TextureRef>| t.as_ref().map_or(Vec4::ONE, |t| surface.texture(scene, t));
     PlacedFuzz {
         weight: (f.factor * read(&f.texture).x).clamp(0.0, 1.0),

@@ -192,8 +192,7 @@ impl Layers {
             let own = [&c.texture, &c.roughness_texture, &c.normal_texture, &c.color_texture];
             own.into_iter().chain(c.anisotropy.iter().map(|a| &a.texture))
         });
-        let fuzz =
-            self.fuzz.iter().flat_map(|f| [&f.texture, &f.color_texture, &f.roughness_texture]);
+        let fuzz = self.fuzz.iter().flat_map(|f| [&f.texture, &f.color_texture, &f.roughness_texture]);
         let rough = self.diffuse_roughness.iter().map(|d| &d.texture);
         let sheen = self.sheen.iter().flat_map(|s| [&s.color_texture, &s.roughness_texture]);
         let anisotropy = self.anisotropy.iter().map(|a| &a.texture);

@@ -75,8 +75,10 @@ fn drafts_are_validated_named_and_kept() {
     let run = sandbox.run(&["validate", "a.gltf", "--json"]).exits(0);
     let report: Value = serde_json::from_str(&run.stdout).unwrap();
     let at = |name: &str| format!("/materials/0/extensions/{name}");
-    let excluded: Vec<String> =
-        find(&report, "must not be on a material that has KHR_materials_unlit").iter().map(|f| f.1.to_owned()).collect();
+    let excluded: Vec<String> = find(&report, "must not be on a material that has KHR_materials_unlit")
+        .iter()
+        .map(|f| f.1.to_owned())
+        .collect();
     let names = ["KHR_materials_coat", "KHR_materials_diffuse_roughness", "KHR_materials_fuzz"];
     for name in names {
         assert!(excluded.contains(&at(name)), "{name}: {report}");
@@ -86,7 +88,10 @@ fn drafts_are_validated_named_and_kept() {
         assert!(report["findings"].as_array().unwrap().iter().any(|f| f["pointer"] == pointer), "{wrong}");
     }
     sandbox.file("b.gltf", file(""));
-    sandbox.run(&["render", "a.gltf", "-o", "a.png", "--strict"]).exits(1).says(&["must not be on a material"]);
+    sandbox
+        .run(&["render", "a.gltf", "-o", "a.png", "--strict"])
+        .exits(1)
+        .says(&["must not be on a material"]);
     let run = sandbox.run(&["inspect", "b.gltf"]).exits(0);
     run.check(run.stdout.contains("fuzz, coat, diffuse roughness"), "should name the layers");
     let edit = ["edit", "b.gltf", "-o", "c.gltf", "--material", "Dusty", "--preset", "marble"];
