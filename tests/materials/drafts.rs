@@ -196,9 +196,9 @@ fn coat_and_fuzz_lie_on_top_of_emission() {
         let below = 1.0 - 0.6 * albedo(v, 400, |g| fuzz(g, y));
         let path = 0.5 / (1.0 - (1.0 - v.z * v.z) / (1.6 * 1.6)).sqrt();
         let crossed = (1.0 - schlick(f0(1.6), 1.0, v.z)) * below;
-        for c in 0..3 {
-            let expected = (1.0 - weight) * below + weight * crossed * COLOR[c].powf(path);
-            assert!((seen.mean[c] - expected).abs() < 3e-3, "{theta}° {weight}: {:?} {expected}", seen.mean);
+        for (mean, color) in seen.mean.into_iter().zip(COLOR) {
+            let expected = (1.0 - weight) * below + weight * crossed * color.powf(path);
+            assert!((mean - expected).abs() < 3e-3, "{theta}° {weight}: {:?} {expected}", seen.mean);
         }
     }
 }
