@@ -165,6 +165,7 @@ fn merge(
 mod tests {
     use super::*;
     use glam::Vec3A;
+    use std::f32::consts::TAU;
 
     /// Primitives below each node are found once, children after their parents, and there are few rounds.
     fn check(boxes: &[Aabb], name: &str) {
@@ -197,7 +198,7 @@ mod tests {
                 .map(|[a, b]| Aabb::new(a.min(b), a.max(b)))
                 .collect()
         };
-        let around = |t: f32| Vec3A::new((6.28 * t).cos(), (6.28 * t).sin(), 0.0);
+        let around = |t: f32| Vec3A::new((TAU * t).cos(), (TAU * t).sin(), 0.0);
         check(&some(&|_| [Vec3A::ZERO, Vec3A::ONE]), "one place");
         check(&some(&|_| [Vec3A::ZERO; 2]), "one point");
         check(&some(&|t| [t * Vec3A::X, (t + 0.001) * Vec3A::X]), "a line");

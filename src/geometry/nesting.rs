@@ -130,7 +130,7 @@ mod tests {
 
     /// The closest solid around each of spheres, given as (middle, radius).
     fn parents(spheres: &[(Vec3, f32)]) -> Vec<Option<usize>> {
-        let (unit, faces) = sphere(4, 6);
+        let (unit, faces) = sphere(1, 0.0, 1);
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for &(middle, radius) in spheres {
             let first = positions.len() as u32;
