@@ -8,7 +8,8 @@ use std::ops::Range;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
-use super::error::{AssetError, count};
+use super::error::AssetError;
+use crate::plural::count;
 
 const MAGIC: &[u8] = b"glTF";
 const HEADER: usize = 12;

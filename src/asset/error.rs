@@ -194,11 +194,6 @@ fn prefix(pointer: &str) -> String {
     if pointer.is_empty() { String::new() } else { format!("{pointer}: ") }
 }
 
-/// “1 vertex”, “2 vertices”.
-pub(crate) fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
-}
-
 /// Text from a file, cut to what a message can bear and free of control characters.
 pub(crate) fn shorten(text: &str) -> String {
     const LONGEST: usize = 120;

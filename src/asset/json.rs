@@ -5,7 +5,8 @@
 
 use serde_json::{Map, Value};
 
-use super::error::{AssetError, count as plural, shorten};
+use super::error::{AssetError, shorten};
+use crate::plural::count as plural;
 
 /// A JSON value and the pointer (RFC 6901) that leads to it.
 #[derive(Clone, Debug)]

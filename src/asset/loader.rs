@@ -12,11 +12,12 @@ use serde_json::Value;
 
 use super::LoadOptions;
 use super::buffer::Bytes;
-use super::error::{AssetError, Diagnostic, Severity, count};
+use super::error::{AssetError, Diagnostic, Severity};
 use super::json::Json;
 use super::opened::Cache;
 use super::rebase::Exact;
 use super::texture::ImageSource;
+use crate::plural::count;
 use crate::scene::SceneDescription;
 
 /// Diagnostics beyond this many are counted, not kept.

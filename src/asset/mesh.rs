@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::error::{AssetError, count};
+use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
 use super::manifold;
@@ -18,6 +18,7 @@ use super::pose::Pose;
 use super::primitive::Primitive;
 use super::rebase;
 use super::tangent;
+use crate::plural::count;
 use crate::scene::{MaterialDescription, MeshDescription, bounds};
 
 /// Coordinates beyond this overflow single precision once they are squared, and squared again.

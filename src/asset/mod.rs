@@ -242,7 +242,7 @@ impl<'a> Loader<'a> {
         }
         let collapsed = self.totals.collapsed;
         if collapsed > 0 {
-            let triangles = error::count(collapsed, "triangle", "triangles");
+            let triangles = crate::plural::count(collapsed, "triangle", "triangles");
             let are = if collapsed == 1 { "is" } else { "are" };
             self.note("/meshes", format!("{triangles} with two corners at one place {are} left out"));
         }

@@ -8,12 +8,13 @@
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Mat3, Mat4};
 
-use super::error::{self, AssetError};
+use super::error::AssetError;
 use super::json::Json;
 use super::loader::Loader;
 use super::pose::Pose;
 use super::primitive::{Influences, Primitive};
 use super::rebase;
+use crate::plural;
 
 /// Sums of weights that are off by more than this are worth a warning; four weights in bytes may be off by 2/255.
 const WEIGHT_TOLERANCE: f32 = 1e-2;
@@ -158,7 +159,7 @@ impl Loader<'_> {
                 (blends, node) = posed(from)?;
             }
         }
-        let vertices = error::count(count, "vertex", "vertices");
+        let vertices = plural::count(count, "vertex", "vertices");
         let alone = blends.iter().filter(|b| b.weight == 0.0).count();
         if alone > 0 {
             let message =

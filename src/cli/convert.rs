@@ -4,10 +4,11 @@ use super::Failure;
 use super::author_args::{ConvertArgs, TargetArgs};
 use super::authored::{Authored, each_target};
 use super::edit::fallback_thickness;
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use crate::author::{
     Form, Reading, bodies, declare, khronos, medium, nephrite, openpbr, remove_member, text::Node,
 };
+use crate::plural::count;
 
 /// Converts as the arguments say.
 pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
@@ -48,7 +49,7 @@ fn convert_file(to: Form, target: &TargetArgs, reporter: &Reporter) -> Result<()
         declare(tree.root_mut(), &names);
     }
     authored.write(&tree.to_string(), &changed, reporter)?;
-    let media = count(changed.len() as u64, "medium", "media");
+    let media = count(changed.len(), "medium", "media");
     reporter.note(format!("wrote {} ({media} converted)", target.written().display()));
     Ok(())
 }

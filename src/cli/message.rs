@@ -90,12 +90,7 @@ pub(super) fn grouped(found: &[Diagnostic]) -> Vec<(&Diagnostic, usize)> {
 
 /// “ [and in 2 more places]”
 pub(super) fn also_in(more: usize) -> String {
-    format!(" [and in {}]", count(more as u64, "more place", "more places"))
-}
-
-/// “1 path was”, “2 paths were”.
-pub(super) fn count(n: u64, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
+    format!(" [and in {}]", crate::plural::count(more, "more place", "more places"))
 }
 
 /// Says why the program stops, and what to do.

@@ -5,10 +5,11 @@ use super::Failure;
 use super::args::{LoadArgs, SceneArgs};
 use super::authored::cannot_read;
 use super::documents::is_standard_input;
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use super::values::EnvArg;
 use crate::asset::{self, environment::load_environment};
 use crate::light::studio::studio;
+use crate::plural::count;
 use crate::scene::{
     CameraDescription, EnvironmentDescription, MaterialDescription, SceneDescription, auto_camera,
 };
@@ -40,7 +41,7 @@ pub(super) fn models(cosines: Cosines) -> Registry {
 pub(super) fn start_threads(asked: Option<usize>) -> Result<(), Failure> {
     let started = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0)).build_global();
     started.map_err(|error| {
-        let number = asked.map_or("threads".to_owned(), |n| count(n as u64, "thread", "threads"));
+        let number = asked.map_or("threads".to_owned(), |n| count(n, "thread", "threads"));
         Failure::advise(
             format!("cannot start {number}: {error}"),
             "ask for fewer with --threads, or let this user have more processes and memory (ulimit)",
@@ -158,7 +159,7 @@ pub(super) fn choose_environment(
                 reporter.warning(format!(
                     "{}: {} negative or not finite; channels of +∞ count as 65504, the others as 0",
                     path.display(),
-                    count(loaded.replaced_texels as u64, "texel is", "texels are")
+                    count(loaded.replaced_texels, "texel is", "texels are")
                 ));
             }
             if !loaded.is_two_to_one {

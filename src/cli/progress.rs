@@ -53,7 +53,7 @@ impl Progress {
     pub fn shown(&self, spp: u32) {
         self.bar.set_message(format!(
             "rendering (written: {} a pixel)",
-            message::count(spp.into(), "sample", "samples")
+            crate::plural::count(spp, "sample", "samples")
         ));
     }
 

@@ -5,7 +5,7 @@ use super::args::RenderArgs;
 use super::hint::say_how_to_expose;
 use super::interrupt;
 use super::job::{Failures, RenderJob, cannot_write, file_name, write_text};
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use super::pipeline::{self, RenderOptions, Rendered};
 use super::progress::Progress;
 use super::progressive::{self, Output, Showing};
@@ -13,6 +13,7 @@ use super::setup::{Prepared, Size};
 use super::stats::{Work, peak_memory_bytes};
 use super::warnings::report_counters;
 use crate::film::{self, Format, WriteReport};
+use crate::plural::count;
 use serde_json::{Map, Value, json};
 use std::time::Instant;
 
@@ -82,7 +83,7 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
             written.join(", "),
             options.width,
             options.height,
-            count(rendered.spp.into(), "sample", "samples"),
+            count(rendered.spp, "sample", "samples"),
             measured.work.seconds
         ));
     }
@@ -127,13 +128,13 @@ fn write_picture(
 fn say_what_was_lost(report: WriteReport, reporter: &Reporter) {
     if report.non_finite > 0 {
         let pixels =
-            count(report.non_finite as u64, "pixel is not finite and was", "pixels are not finite and were");
+            count(report.non_finite, "pixel is not finite and was", "pixels are not finite and were");
         reporter.warning(format!("{pixels} written as black"));
     }
     if report.clamped_to_half > 0 {
         reporter.warning(format!(
             "{} brighter than 65504, the most a half float can hold (--float keeps them)",
-            count(report.clamped_to_half as u64, "pixel is", "pixels are")
+            count(report.clamped_to_half, "pixel is", "pixels are")
         ));
     }
 }

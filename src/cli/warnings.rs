@@ -1,7 +1,8 @@
 //! What a render warns of: media without a closed mesh, and what was counted while it ran.
 
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use super::pipeline::{RenderStats, Scene};
+use crate::plural::count;
 
 /// More leaks a sample than this are told of; rounding lets a path in a million slip through an edge of a closed mesh.
 const BY_ROUNDING: f64 = 1e-5;

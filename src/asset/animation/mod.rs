@@ -17,9 +17,10 @@ pub(crate) use property::Property;
 pub use property::{MutableProperty, PropertyKind};
 use sampler::{Sampler, Space};
 
-use super::error::{AssetError, count, shorten};
+use super::error::{AssetError, shorten};
 use super::json::Json;
 use super::loader::Loader;
+use crate::plural::count;
 
 /// Which animations play, and when; the default is the scene at rest.
 #[derive(Clone, Debug, Default, PartialEq)]

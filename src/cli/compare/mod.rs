@@ -15,7 +15,7 @@ use super::interrupt;
 use super::job::{
     Failures, cannot_write, check_not_inputs, check_output, check_pixels, file_name, write_text,
 };
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use super::pipeline::{self, Registry};
 use super::progress::Progress;
 use super::setup::{Prepared, Size};
@@ -24,6 +24,7 @@ use super::warnings::report_counters;
 use crate::film::compare::{Comparison, Halves};
 use crate::film::figure;
 use crate::film::{Film, Format};
+use crate::plural::count;
 use crate::sampling::rng::{hash3, mix64};
 use std::path::{Path, PathBuf};
 
@@ -127,7 +128,7 @@ fn compare(args: CompareArgs, of: Option<&Path>) -> Result<(), Failure> {
         outputs.sheet.display(),
         outputs.json.display(),
         outputs.csv.display(),
-        count(results.models.len() as u64, "model", "models"),
+        count(results.models.len(), "model", "models"),
         prepared.width,
         prepared.height,
         results.spp,

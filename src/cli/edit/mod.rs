@@ -7,8 +7,9 @@ use super::Failure;
 use super::author_args::{EditArgs, TargetArgs};
 use super::authored::{Authored, each_target};
 use super::documents::shown;
-use super::message::{Reporter, count};
+use super::message::Reporter;
 use crate::author::{Medium, bodies, declare, khronos, nephrite, remove_member, text::Node};
+use crate::plural::count;
 use crate::scene::SceneDescription;
 use change::Change;
 
@@ -36,7 +37,7 @@ fn edit_file(change: &Change<'_>, target: &TargetArgs, reporter: &Reporter) -> R
         return Err(nothing_changes(args, target, &chosen));
     }
     authored.write(&text, &chosen, reporter)?;
-    let changed = count(chosen.len() as u64, "material", "materials");
+    let changed = count(chosen.len(), "material", "materials");
     reporter.note(format!("wrote {} ({changed} changed)", target.written().display()));
     Ok(())
 }

@@ -6,6 +6,7 @@ use super::report::{MediumReport, ObjectReport, Report};
 use crate::asset::AnimationSummary;
 use crate::cli::message::{also_in, grouped, printable};
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
+use crate::plural::count;
 use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
 
@@ -239,9 +240,4 @@ fn names<'a>(all: impl ExactSizeIterator<Item = &'a str>) -> String {
     let shown: Vec<&str> = all.take(MOST_NAMES).collect();
     let more = if n > MOST_NAMES { format!(" and {} more", n - MOST_NAMES) } else { String::new() };
     shown.join(", ") + &more
-}
-
-/// “1 hole”, “2 holes”.
-fn count(n: usize, one: &str, many: &str) -> String {
-    crate::cli::message::count(n as u64, one, many)
 }

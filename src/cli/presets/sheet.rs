@@ -4,13 +4,14 @@ use crate::cli::Failure;
 use crate::cli::author_args::PresetsArgs;
 use crate::cli::interrupt;
 use crate::cli::job::{cannot_write, check_output};
-use crate::cli::message::{Reporter, count};
+use crate::cli::message::Reporter;
 use crate::cli::pipeline::{self, Registry, RenderControl, RenderOptions};
 use crate::cli::progress::Progress;
 use crate::film::ToneMap;
 use crate::film::figure::{Cell, Picture, Sheet};
 use crate::light::studio::studio;
 use crate::optics::presets::{Preset, Source};
+use crate::plural::count;
 use crate::scene::{
     CameraDescription, InstanceDescription, MaterialDescription, MediumDescription, MeshDescription,
     Projection, SceneDescription,
@@ -50,7 +51,7 @@ pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
         footer: format!(
             "Spheres of {} mm radius in the built-in studio, {} a pixel, random walk, PBR Neutral. [J] {}. [N] {}. [O] {}.",
             args.radius,
-            count(args.spp.into(), "sample", "samples"),
+            count(args.spp, "sample", "samples"),
             Source::Jensen2001.citation(),
             Source::Narasimhan2006.citation(),
             Source::OpenPbr.citation()

@@ -5,10 +5,11 @@ use super::args::LoadArgs;
 use super::author_args::ValidateArgs;
 use super::authored;
 use super::documents::{Documents, shown};
-use super::message::{also_in, count, grouped, printable, write_out};
+use super::message::{also_in, grouped, printable, write_out};
 use super::pipeline::load_options;
 use crate::asset::{Diagnostic, LoadOptions, Severity};
 use crate::author::check;
+use crate::plural::count;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -34,7 +35,7 @@ pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         }
         match checked.number(Severity::Error) {
             0 => Ok(()),
-            n => Err(Failure::cannot(format!("{} has {}", checked.file, count(n as u64, "error", "errors")))),
+            n => Err(Failure::cannot(format!("{} has {}", checked.file, count(n, "error", "errors")))),
         }
     });
     let report = if all.are_several() { Some(Value::Array(reports)) } else { reports.pop() };
