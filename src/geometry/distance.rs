@@ -21,7 +21,7 @@ use glam::{UVec3, Vec3, Vec3A};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// Cells along the longest axis, by default.
-const RESOLUTION: u32 = 64;
+pub(super) const RESOLUTION: u32 = 64;
 /// ρ, in cells: more than the half diagonal of a cell, and so little that curved surfaces are nearly flat there.
 const BALL: f32 = 1.25;
 /// A brick is deep where its centre is at least this many cells away from the mesh: then its cells, whose centres are at
@@ -49,7 +49,7 @@ pub struct DistanceBound {
     bricks: [u32; 2],
     rounding: f32,
     /// [`Cell::pack`]; zero where nobody has asked yet.
-    cells: Box<[AtomicU64]>,
+    pub(super) cells: Box<[AtomicU64]>,
     /// Lower bounds of the distance from the bricks' centres, as bits of floats; zero where nobody has asked yet.
     brick_distances: Box<[AtomicU32]>,
 }

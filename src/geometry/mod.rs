@@ -15,6 +15,7 @@ mod clustering;
 mod collapse;
 mod containment;
 mod distance;
+mod distance_table;
 mod edges;
 mod huge_pages;
 mod lanes;
@@ -46,6 +47,7 @@ mod weld;
 mod wide_bvh;
 
 pub use distance::DistanceBound;
+pub use distance_table::DistanceTable;
 pub use mesh::MeshGeometry;
 pub use offset::{ROUNDING, gamma, offset_origin};
 pub use overlap::BoxTree;

@@ -106,7 +106,12 @@ impl Scene {
     ///
     /// # Errors
     /// Indices that point nowhere, transforms that cannot be inverted, and more memory than the limits allow.
-    pub fn build(mut description: SceneDescription) -> Result<Self, SceneError> {
+    pub fn build(description: SceneDescription) -> Result<Self, SceneError> {
+        // All of it on the threads that work: from elsewhere, each small step would wait for them to wake.
+        rayon::scope(|_| Self::build_here(description))
+    }
+
+    fn build_here(mut description: SceneDescription) -> Result<Self, SceneError> {
         check_indices(&description)?;
         description.check_needs()?;
         let media: Vec<_> = description.materials.iter().map(|m| m.medium.as_ref().map(medium)).collect();

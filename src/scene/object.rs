@@ -3,10 +3,10 @@
 use super::intruders::Intruders;
 use super::mesh_facts::MeshFacts;
 use super::{AlphaMode, MediumDescription, PunctualKind, Scene, Surface};
-use crate::geometry::{Aabb, BoxTree, DistanceBound, NO_COMPONENT, Topology};
+use crate::geometry::{Aabb, BoxTree, DistanceTable, NO_COMPONENT, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Boundaries of a smaller GGX width count as nearly smooth: beyond them light is rather found by going on than sampled.
@@ -50,7 +50,7 @@ pub struct Object {
     /// Walks that are worth one sample of a pixel, at least 1: more where they are short.
     pub walks: u32,
     /// Lower bounds of the distance to the boundary, in the instance's local space; for closed media that scatter.
-    pub distance: Option<Arc<DistanceBound>>,
+    pub distance: Option<Arc<DistanceTable>>,
 }
 
 impl Scene {
@@ -70,7 +70,9 @@ impl Scene {
         if order.is_empty() {
             return;
         }
-        let mut distances: HashMap<usize, Arc<DistanceBound>> = HashMap::new();
+        let geometries: HashSet<usize> =
+            order.iter().map(|&(_, _, i)| self.geometry.geometry_index(i)).collect();
+        let mut distances: HashMap<usize, Arc<DistanceTable>> = HashMap::new();
         let instances = 0..self.description.instances.len() as u32;
         let all = BoxTree::build(instances.map(|i| self.geometry.instance_bounds(i)).collect());
         let placed = self.description.lights.iter().filter(|l| l.kind != PunctualKind::Directional);
@@ -95,8 +97,7 @@ impl Scene {
             let scatters = media.into_iter().any(|m| m.sigma_s.max_element() > 0.0);
             let chord = self.mean_chord(instance);
             let distance = (closed && scatters).then(|| {
-                let mesh = self.geometry.mesh_of(instance);
-                let distance = || Arc::new(DistanceBound::new(mesh));
+                let distance = || Arc::new(DistanceTable::one_of(geometries.len()));
                 distances.entry(self.geometry.geometry_index(instance)).or_insert_with(distance).clone()
             });
             self.objects[instance as usize] = Object {

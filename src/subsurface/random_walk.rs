@@ -122,6 +122,7 @@ impl Propagator for Walker {
         match (&flight.object.distance, flight.connection) {
             (Some(distance), Connection::None | Connection::Boundary) => {
                 let enclosure = flight.enclosure;
+                let distance = distance.get(flight.scene.geometry.mesh_of(enclosure.instance));
                 match &self.media[enclosure.instance as usize] {
                     Some(m) if m.material == enclosure.material => {
                         let medium = (&m.coefficients, m.jumps.as_ref());
