@@ -19,7 +19,7 @@ use rayon::prelude::*;
 const MOST_ASKED: usize = 64;
 /// The first part of a ray that is looked at, relative to the mesh, and how many times as long each next one is.
 const FIRST_REACH: f32 = 1.0 / 1_048_576.0;
-const LONGER: f32 = 16.0;
+const LONGER: f32 = 4.0;
 
 /// The solids of a mesh.
 pub(super) struct Solids<'a> {
@@ -80,18 +80,21 @@ impl Solids<'_> {
         }
         let (mut found, mut hits) = (Vec::new(), Vec::new());
         let whole = self.mesh.bounds().extent().length();
+        let direction = DIRECTIONS[0].normalize();
         let mut reach = FIRST_REACH * whole;
         loop {
-            let ray = Ray { t_max: reach, ..Ray::new(p, DIRECTIONS[0].normalize()) };
-            self.mesh.intersect_all(&ray, &mut hits);
-            for k in hits.iter().map(|hit| self.component_of[hit.triangle as usize]) {
-                if k != NO_COMPONENT && may_hold(k) && !found.contains(&k) {
-                    found.push(k);
+            // One of them leads out; on the other one everything inside may come first.
+            for direction in [direction, -direction] {
+                self.mesh.intersect_all(&Ray { t_max: reach, ..Ray::new(p, direction) }, &mut hits);
+                found.clear();
+                for k in hits.iter().map(|hit| self.component_of[hit.triangle as usize]) {
+                    if found.len() < MOST_ASKED && k != NO_COMPONENT && !found.contains(&k) && may_hold(k) {
+                        found.push(k);
+                    }
                 }
-            }
-            if found.len() >= MOST_ASKED || reach > whole {
-                found.truncate(MOST_ASKED);
-                return found;
+                if found.len() == MOST_ASKED || reach > whole {
+                    return found;
+                }
             }
             reach *= LONGER;
         }
