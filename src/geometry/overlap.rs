@@ -165,6 +165,10 @@ mod tests {
                 let overlapping = (0..boxes.len() as u32).filter(|&i| boxes[i as usize].overlaps(&bounds));
                 assert_eq!(found, overlapping.collect::<Vec<_>>());
                 assert_eq!(tree.any(&bounds), !found.is_empty());
+                let odd: Vec<u32> = found.iter().copied().filter(|i| i % 2 == 1).collect();
+                let few = |most| tree.at_most(most, &bounds, |i| i % 2 == 1);
+                assert_eq!(few(odd.len()).as_ref(), Some(&odd));
+                assert!(odd.is_empty() || few(odd.len() - 1).is_none());
             }
             let mut all = 0;
             tree.visit(&Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY }, |_| all += 1);

@@ -5,6 +5,7 @@ mod aiming;
 mod arrangements;
 mod clip;
 mod close_lamps;
+mod crowds;
 mod determinism;
 mod directed_models;
 mod exit_search;
