@@ -1,8 +1,8 @@
 """Scenes of one extreme each, that grow with n, for extremes.py: `extreme_scenes.py NAME N FILE` writes one as a GLB file."""
-import array, json, math, random, struct, sys
+import math, random, struct, sys, zlib
 
-MEDIUM = {"absorptionCoefficient": [1, 1, 1], "scatteringCoefficient": [100, 100, 100], "ior": 1.3}
-SUBSURFACE = {"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {"NEPHRITE_materials_subsurface": MEDIUM}}
+from glb import SUBSURFACE, File
+
 GLASS = {"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}
 BLEND = {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.01]}}
 LAMP = {"emissiveFactor": [1, 1, 1]}
@@ -11,70 +11,6 @@ CUBE = ([float(c) for x in (0, 1) for y in (0, 1) for z in (0, 1) for c in (x, y
         [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3])
 TRIANGLE = ([0.0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2])
 
-
-class File:
-    """A glTF file in the making."""
-
-    def __init__(self):
-        self.bytes = bytearray()
-        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [],
-                     "accessors": [], "bufferViews": [], "materials": []}
-
-    def add(self, what, value):
-        """Appends to a list of the file; its number."""
-        rows = self.json.setdefault(what, [])
-        rows.append(value)
-        return len(rows) - 1
-
-    def view(self, data):
-        self.bytes += bytes(-len(self.bytes) % 4)
-        view = self.add("bufferViews", {"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data)})
-        self.bytes += data
-        return view
-
-    def floats(self, values, kind="VEC3"):
-        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[kind]
-        accessor = {"bufferView": self.view(array.array("f", values).tobytes()), "componentType": 5126, "count": len(values) // width, "type": kind}
-        if width in (1, 3):
-            accessor["min"] = [struct.unpack("f", struct.pack("f", min(values[i::width])))[0] for i in range(width)]
-            accessor["max"] = [struct.unpack("f", struct.pack("f", max(values[i::width])))[0] for i in range(width)]
-        return self.add("accessors", accessor)
-
-    def primitive(self, positions, indices, material, **attributes):
-        view = self.view(array.array("I", indices).tobytes())
-        numbers = self.add("accessors", {"bufferView": view, "componentType": 5125, "count": len(indices), "type": "SCALAR"})
-        return {"attributes": {"POSITION": self.floats(positions), **attributes}, "indices": numbers, "material": material}
-
-    def mesh(self, positions, indices, material=SUBSURFACE):
-        return self.add("meshes", {"primitives": [self.primitive(positions, indices, self.add("materials", material))]})
-
-    def place(self, **node):
-        number = self.add("nodes", node)
-        self.json["scenes"][0]["nodes"].append(number)
-        return number
-
-    def lamp(self, light, **node):
-        self.place(extensions={"KHR_lights_punctual": {"light": light}}, **node)
-
-    def write(self, path):
-        root = self.json
-        text = json.dumps(root)
-        root["extensionsUsed"] = [e for e in EXTENSIONS if f'"{e}"' in text]
-        root = {k: v for k, v in root.items() if v}
-        self.bytes += bytes(-len(self.bytes) % 4)
-        if self.bytes:
-            root["buffers"] = [{"byteLength": len(self.bytes)}]
-        text = json.dumps(root).encode()
-        text += b" " * (-len(text) % 4)
-        total = 12 + 8 + len(text) + (8 + len(self.bytes) if self.bytes else 0)
-        with open(path, "wb") as f:
-            f.write(struct.pack("<4sIIII", b"glTF", 2, total, len(text), 0x4E4F534A) + text)
-            if self.bytes:
-                f.write(struct.pack("<II", len(self.bytes), 0x004E4942) + self.bytes)
-
-
-EXTENSIONS = ["NEPHRITE_materials_subsurface", "KHR_materials_transmission", "KHR_materials_variants", "KHR_lights_punctual",
-              "EXT_mesh_gpu_instancing", "KHR_texture_transform", "KHR_animation_pointer"]
 SCENES = {}
 
 
@@ -183,7 +119,7 @@ def solids(file, n):
     one(file, *tetrahedra((10 * r.random(), 10 * r.random(), 10 * r.random(), 0.5 * r.random()) for _ in range(n)))
 
 
-@scene(500, "bodies of one mesh, each within the one before")
+@scene(2_000, "bodies of one mesh, each within the one before")
 def nested_parts(file, n):
     positions = [(1 + k / n) * (c - 0.5) for k in range(n) for c in CUBE[0]]
     one(file, positions, [8 * k + i for k in range(n) for i in CUBE[1]])
@@ -416,7 +352,6 @@ def coincident_emitters(file, n):
 
 
 def png(side):
-    import zlib
     rows = b"".join(b"\0" + bytes((x * y) & 255 for x in range(side) for _ in range(3)) for y in range(side))
     chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0))
