@@ -10,23 +10,19 @@ use crate::scene::{ColorSpace, MaterialDescription};
 
 const NAME: &str = "KHR_materials_coat";
 
-/// JSON pointer of a property, type, least and greatest value.
-const fn property(template: &'static str, kind: PropertyKind, low: f64, high: f64) -> MutableProperty {
-    MutableProperty { template, kind, range: [low, high] }
-}
-
 const MUTABLE: &[MutableProperty] = {
+    use MutableProperty as P;
     use PropertyKind::{Float, Float3};
     const ANY: f64 = f64::INFINITY;
     &[
-        property("/materials/{}/extensions/KHR_materials_coat/coatFactor", Float, 0.0, 1.0),
-        property("/materials/{}/extensions/KHR_materials_coat/coatRoughnessFactor", Float, 0.0, 1.0),
-        property("/materials/{}/extensions/KHR_materials_coat/coatNormalTexture/scale", Float, -ANY, ANY),
-        property("/materials/{}/extensions/KHR_materials_coat/coatIor", Float, 1.0, ANY),
-        property("/materials/{}/extensions/KHR_materials_coat/coatColorFactor", Float3, 0.0, 1.0),
-        property("/materials/{}/extensions/KHR_materials_coat/coatDarkeningFactor", Float, 0.0, 1.0),
-        property("/materials/{}/extensions/KHR_materials_coat/coatAnisotropyStrength", Float, 0.0, 1.0),
-        property("/materials/{}/extensions/KHR_materials_coat/coatAnisotropyRotation", Float, -ANY, ANY),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatFactor", Float, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatRoughnessFactor", Float, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatNormalTexture/scale", Float, -ANY, ANY),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatIor", Float, 1.0, ANY),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatColorFactor", Float3, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatDarkeningFactor", Float, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatAnisotropyStrength", Float, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_coat/coatAnisotropyRotation", Float, -ANY, ANY),
     ]
 };
 

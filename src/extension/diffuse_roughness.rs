@@ -10,7 +10,7 @@ pub(super) const NAME: &str = "KHR_materials_diffuse_roughness";
 pub(super) const FIRST_NAME: &str = "EXT_materials_diffuse_roughness";
 
 const fn factor(template: &'static str) -> MutableProperty {
-    MutableProperty { template, kind: PropertyKind::Float, range: [0.0, 1.0] }
+    MutableProperty::within(template, PropertyKind::Float, 0.0, 1.0)
 }
 
 const MUTABLE: &[MutableProperty] = &[

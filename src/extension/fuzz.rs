@@ -10,23 +10,15 @@ use crate::scene::{ColorSpace, MaterialDescription};
 
 const NAME: &str = "KHR_materials_fuzz";
 
-const MUTABLE: &[MutableProperty] = &[
-    MutableProperty {
-        template: "/materials/{}/extensions/KHR_materials_fuzz/fuzzFactor",
-        kind: PropertyKind::Float,
-        range: [0.0, 1.0],
-    },
-    MutableProperty {
-        template: "/materials/{}/extensions/KHR_materials_fuzz/fuzzColorFactor",
-        kind: PropertyKind::Float3,
-        range: [0.0, 1.0],
-    },
-    MutableProperty {
-        template: "/materials/{}/extensions/KHR_materials_fuzz/fuzzRoughnessFactor",
-        kind: PropertyKind::Float,
-        range: [0.0, 1.0],
-    },
-];
+const MUTABLE: &[MutableProperty] = {
+    use MutableProperty as P;
+    use PropertyKind::{Float, Float3};
+    &[
+        P::within("/materials/{}/extensions/KHR_materials_fuzz/fuzzFactor", Float, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_fuzz/fuzzColorFactor", Float3, 0.0, 1.0),
+        P::within("/materials/{}/extensions/KHR_materials_fuzz/fuzzRoughnessFactor", Float, 0.0, 1.0),
+    ]
+};
 
 pub(super) struct Fuzz;
 

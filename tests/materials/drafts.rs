@@ -2,7 +2,7 @@
 
 use crate::formula::{Geometry, albedo, direction, eon, f0, fresnel, fuzz, microfacets, schlick};
 use crate::lab::{measure, options, ortho, single};
-use crate::scenes::{in_furnace, material, reflected, same, square};
+use crate::scenes::{in_furnace, material, pbr, reflected, same, square};
 use glam::{DMat3, DVec3, Vec3};
 use nephrite::optics::Microfacet::{Multiple, Single};
 use nephrite::scene::{EnvironmentDescription, Scene};
@@ -10,16 +10,6 @@ use serde_json::{Value, json};
 use std::f64::consts::FRAC_1_PI;
 
 const COLOR: [f64; 3] = [0.9, 0.5, 0.2];
-
-fn pbr(color: [f64; 3], metallic: f64, roughness: f64, extensions: Value) -> Value {
-    let [r, g, b] = color;
-    json!({
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness,
-        },
-        "extensions": extensions,
-    })
-}
 
 /// A diffuse surface without a reflection of its own.
 fn matte(color: [f64; 3], mut extensions: Value) -> Value {

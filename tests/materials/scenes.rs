@@ -20,6 +20,17 @@ pub fn material(json: &Value) -> MaterialDescription {
     loaded.scene.materials.into_iter().next().expect("a material")
 }
 
+/// A material of that base colour, with extensions.
+pub fn pbr(color: [f64; 3], metallic: f64, roughness: f64, extensions: Value) -> Value {
+    let [r, g, b] = color;
+    json!({
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness,
+        },
+        "extensions": extensions,
+    })
+}
+
 /// A square of side 2 at z = 0 that faces +z, with its tangent along x.
 pub fn square() -> MeshDescription {
     let corners = [Vec2::new(-1.0, -1.0), Vec2::new(1.0, -1.0), Vec2::new(1.0, 1.0), Vec2::new(-1.0, 1.0)];

@@ -3,7 +3,7 @@
 
 use crate::formula::{Geometry, albedo, direction, f0, microfacets, schlick, sheen};
 use crate::lab::{Estimate, add_texture, measure, options, ortho, place, single};
-use crate::scenes::{in_furnace, material, picture, reflected, same, seen_from, square};
+use crate::scenes::{in_furnace, material, pbr, picture, reflected, same, seen_from, square};
 use glam::{Affine3A, DVec3, Vec3, Vec4};
 use nephrite::optics::Microfacet::{Multiple, Single};
 use nephrite::scene::*;
@@ -22,16 +22,6 @@ fn geometries() -> Vec<(DVec3, DVec3)> {
     ]
     .map(|((a, b), (c, d))| (direction(a, b), direction(c, d)))
     .to_vec()
-}
-
-fn pbr(color: [f64; 3], metallic: f64, roughness: f64, extensions: Value) -> Value {
-    let [r, g, b] = color;
-    json!({
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [r, g, b, 1], "metallicFactor": metallic, "roughnessFactor": roughness,
-        },
-        "extensions": extensions,
-    })
 }
 
 /// A surface that reflects nothing by itself.

@@ -119,6 +119,13 @@ pub struct MutableProperty {
     pub range: [f64; 2],
 }
 
+impl MutableProperty {
+    /// A property of that type whose components are between `least` and `greatest`.
+    pub const fn within(template: &'static str, kind: PropertyKind, least: f64, greatest: f64) -> Self {
+        Self { template, kind, range: [least, greatest] }
+    }
+}
+
 /// A property of the document that can be animated.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Property {
