@@ -37,15 +37,18 @@ const CASES: [&str; 3] = ["absorption", "camera-inside", "khr-volume"];
 const REFERENCE: &str = "rough-06";
 
 /// Commands of other programs.
-const OTHERS: [&str; 8] = [
+const OTHERS: [&str; 11] = [
+    "blender -b scene.blend --python samples/from-blender/to_nephrite.py -- scene.glb",
     "cargo install --path .",
     "cargo test --release",
     "cargo test --release --test physics -- --ignored --nocapture colours_that_were_asked_for",
     "mdbook build docs",
     "node -e \"require('gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync('milk.glb'))).then(r => console.log(JSON.stringify(r.issues, null, 2)))\"",
     "npm install gltf-validator",
+    "pip install bpy==4.5.15",
     "pip install mitsuba numpy",
     "python3 samples/conformance/make/build.py                  # Python 3.10 or newer, numpy",
+    "python3 samples/from-blender/to_nephrite.py scene.blend scene.glb",
 ];
 
 /// Pages with their text, paths relative to the repository.
