@@ -20,6 +20,8 @@ mod machine;
 #[cfg(unix)]
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/paint.rs"]
+mod paint;
 #[path = "cli/presets.rs"]
 mod presets;
 #[path = "cli/profile.rs"]

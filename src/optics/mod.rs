@@ -34,6 +34,7 @@ pub mod presets;
 mod reflectance;
 mod reflection_tables;
 pub mod seen_color;
+pub mod seen_color_table;
 mod sheen;
 pub mod spectrum;
 mod substrate;

@@ -28,7 +28,7 @@ const REDUCED: [(&str, &str, &[&str]); 4] = [
     ("render", "", &["--size", "16x12", "--spp", "1"]),
     ("compare-models", "", &["--size", "16x12", "--spp", "2", "--reference-spp", "2"]),
     ("profile", "", &["--paths", "1000"]),
-    ("presets", "-o", &["--spp", "1", "--radius", "0.001"]),
+    ("presets", "-o", &["--spp", "1", "--radius", "0.001", "--side", "16"]),
 ];
 
 /// Cases that take less than a second with the samples that they ask for.
