@@ -153,7 +153,7 @@ def build():
     scene.unit_settings.system = "METRIC"
     scene.render.resolution_x, scene.render.resolution_y = 480, 360
     bodies()
-    light("sun", "SUN", (0, 0, 1), (0.5, -0.45, 0.2), 0.9, angle=math.radians(8))
+    light("sun", "SUN", (0, 0, 1), (-0.4, -0.45, 0.2), 0.9, angle=math.radians(8))
     light("spot", "SPOT", (0.35, -0.35, 0.45), (0.06, 0, 0.03), 9, spot_size=math.radians(35), spot_blend=0.3, shadow_soft_size=0.01)
     light("area", "AREA", (-0.35, 0.25, 0.3), (-0.03, 0, 0.04), 3.5, shape="RECTANGLE", size=0.3, size_y=0.2)
     world = bpy.data.worlds.new("world")
