@@ -223,9 +223,18 @@ fn brought_back(i: i64, n: u32, wrap: Wrap) -> usize {
 
 /// Compares what a bilinear filter finds with what the vertices say; else the primitive that is worst, the share of all
 /// surface that is off, and why.
-fn judge(triangles: &[Flat], baked: &Baked, wraps: [Wrap; 2], primitives: usize) -> Result<(), (usize, f64, Why)> {
-    const POINTS: [[f32; 3]; 4] =
-        [[1.0 / 3.0; 3], [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
+fn judge(
+    triangles: &[Flat],
+    baked: &Baked,
+    wraps: [Wrap; 2],
+    primitives: usize,
+) -> Result<(), (usize, f64, Why)> {
+    const POINTS: [[f32; 3]; 4] = [
+        [1.0 / 3.0; 3],
+        [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
+        [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+        [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+    ];
     let look_up = |p: Vec2| {
         let (base, t) = ((p - 0.5).floor(), (p - 0.5).fract_gl());
         let texel = |dx: i64, dy: i64| {
