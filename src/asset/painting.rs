@@ -120,7 +120,8 @@ impl Loader<'_> {
 
 /// The materials that a primitive may be shown with, its own first.
 pub(crate) fn shown_with(primitive: &Value) -> Vec<usize> {
-    let index = |value: &Value| value.get("material").and_then(Value::as_u64).and_then(|i| usize::try_from(i).ok());
+    let index =
+        |value: &Value| value.get("material").and_then(Value::as_u64).and_then(|i| usize::try_from(i).ok());
     let mappings = primitive.pointer("/extensions/KHR_materials_variants/mappings").and_then(Value::as_array);
     let mut found: Vec<usize> = Vec::new();
     for material in index(primitive).into_iter().chain(mappings.into_iter().flatten().filter_map(index)) {

@@ -3,9 +3,8 @@
 //! A document is changed as text ([`text`]): what nobody asked to change keeps every byte. [`file`](mod@file) takes
 //! `.gltf` and `.glb` apart and puts them together again, [`medium`] reads the medium of a material from whichever
 //! description wins, [`nephrite`], [`khronos`] and [`openpbr`] write it, [`bodies`] knows how large the objects are,
-//! [`paint`] makes coefficient textures of base colours,
-//! and [`check`] finds what is wrong with all of it. All numbers are doubles: what is converted there and back should
-//! come back.
+//! [`paint`] makes coefficient textures of base colours, and [`check`] finds what is wrong with all of it. All numbers are
+//! doubles: what is converted there and back should come back.
 
 pub mod bodies;
 pub mod check;

@@ -184,7 +184,10 @@ mod tests {
         assert!(anisotropy("1").is_err() && anisotropy("-0.9").is_ok());
         assert!(ior("0.9").is_err() && density("-1").is_err() && texture("x").is_err());
         let unknown = preset("marbel").unwrap_err();
-        assert!(unknown.contains("did you mean marble") && unknown.contains("`nephrite presets`"), "{unknown}");
+        assert!(
+            unknown.contains("did you mean marble") && unknown.contains("`nephrite presets`"),
+            "{unknown}"
+        );
         assert!(preset("candel").unwrap_err().contains("did you mean candle"));
         assert!(form("openpr").unwrap_err().contains("did you mean openpbr"));
     }

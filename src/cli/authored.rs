@@ -5,9 +5,9 @@
 
 use super::Failure;
 use super::author_args::TargetArgs;
+use super::beside::{self, NewFile};
 use super::job::{cannot_write, check_output};
 use super::message::Reporter;
-use super::beside::{self, NewFile};
 use crate::asset::painting::Painting;
 use crate::asset::{Asset, AssetError, LoadOptions, Loaded, load_bytes};
 use crate::author::paint::images::{self, NewImages, Place};

@@ -60,7 +60,14 @@ pub(super) fn warn(loader: &mut Loader<'_>, index: usize) {
     }
     if many(shown.painted) {
         for pointer in colored_primitives(loader, index) {
-            loader.warn(&pointer, format!("the vertex colours of the surface of material {index} {}", TINT.replacen("tints", "tint", 1)), Some(MEND));
+            loader.warn(
+                &pointer,
+                format!(
+                    "the vertex colours of the surface of material {index} {}",
+                    TINT.replacen("tints", "tint", 1)
+                ),
+                Some(MEND),
+            );
         }
     }
 }
@@ -88,7 +95,8 @@ impl Shown {
             let reference = texture.as_ref()?;
             Some((TextureSampler::new(&scene.textures, &scene.images, reference)?, reference.uv_set))
         };
-        let (base, metal) = (sampler(&material.base_color_texture), sampler(&material.metallic_roughness_texture));
+        let (base, metal) =
+            (sampler(&material.base_color_texture), sampler(&material.metallic_roughness_texture));
         let dark = |color: Vec3| usize::from(color.min_element() < NEARLY_WHITE);
         let of = |mesh: &&MeshDescription| {
             mesh.triangle_materials.iter().filter(|m| **m as usize == index).count()
@@ -108,7 +116,8 @@ impl Shown {
         let mut metallic = 0.0;
         let mut count = 0;
         for mesh in &scene.meshes {
-            let own = mesh.triangles.iter().zip(&mesh.triangle_materials).filter(|(_, m)| **m as usize == index);
+            let own =
+                mesh.triangles.iter().zip(&mesh.triangle_materials).filter(|(_, m)| **m as usize == index);
             for (corners, _) in own {
                 count += 1;
                 if count % stride != 0 {

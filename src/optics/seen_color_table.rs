@@ -98,7 +98,7 @@ mod tests {
     use crate::optics::seen_color::{seen_color, shares_of_seen_color};
 
     /// Both shares against the inversion by root finding, each relative to itself, which is what a coefficient is off by,
-    /// and the colour that comes back.
+    /// and the colour that comes back: a thirtieth of the smallest step of an 8-bit sRGB colour.
     #[test]
     fn the_table_is_the_inversion() {
         for (g, eta) in [(0.0, 1.5), (0.85, 1.4), (-0.4, 1.0)] {
@@ -106,10 +106,13 @@ mod tests {
             for color in [0.003, 0.02, 0.1234, 0.4, 0.7, 0.91, 0.985, 0.998] {
                 let (found, exact) = (table.shares(color), shares_of_seen_color(color, g, eta));
                 for i in 0..2 {
-                    assert!((found[i] / exact[i] - 1.0).abs() < 2e-4, "{color} {g} {eta} [{i}]: {found:?} {exact:?}");
+                    assert!(
+                        (found[i] / exact[i] - 1.0).abs() < 5e-4,
+                        "{color} {g} {eta} [{i}]: {found:?} {exact:?}"
+                    );
                 }
                 let back = seen_color(found[0], g, eta);
-                assert!((back - color).abs() < 2e-6, "{color} {g} {eta}: {back}");
+                assert!((back - color).abs() < 1e-5, "{color} {g} {eta}: {back}");
             }
             assert_eq!(table.shares(1.0), [1.0, 0.0]);
             assert_eq!(table.shares(0.0), [0.0, 1.0]);

@@ -1,132 +1,11 @@
 //! `nephrite edit --from-base-color`: textures of the right coefficients, white surfaces, and nothing else changed.
 
+use super::painted_files::{APART, Doc, open};
 use super::util::{Run, Sandbox};
 use nephrite::optics::seen_color::seen_color;
 use serde_json::{Value, json};
 
 const OURS: &str = "NEPHRITE_materials_subsurface";
-
-/// A file of closed tetrahedra that is put together piece by piece.
-struct Doc {
-    json: Value,
-    data: Vec<u8>,
-}
-
-/// Texture coordinates of the corners of the four faces: a quarter of the unit square each.
-const APART: [[f32; 2]; 12] = [
-    [0.05, 0.05], [0.45, 0.05], [0.05, 0.45],
-    [0.55, 0.05], [0.95, 0.05], [0.55, 0.45],
-    [0.05, 0.55], [0.45, 0.55], [0.05, 0.95],
-    [0.55, 0.55], [0.95, 0.55], [0.55, 0.95],
-];
-
-impl Doc {
-    fn new(materials: Value) -> Self {
-        let json = json!({
-            "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }], "nodes": [],
-            "materials": materials, "meshes": [], "accessors": [], "bufferViews": [],
-        });
-        Self { json, data: Vec::new() }
-    }
-
-    fn list(&mut self, key: &str) -> &mut Vec<Value> {
-        if self.json.get(key).is_none() {
-            self.json[key] = json!([]);
-        }
-        self.json[key].as_array_mut().unwrap()
-    }
-
-    fn push(&mut self, key: &str, value: Value) -> usize {
-        self.list(key).push(value);
-        self.list(key).len() - 1
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) -> usize {
-        self.data.resize(self.data.len().next_multiple_of(4), 0);
-        let view = json!({ "buffer": 0, "byteOffset": self.data.len(), "byteLength": bytes.len() });
-        self.data.extend(bytes);
-        self.push("bufferViews", view)
-    }
-
-    fn floats(&mut self, values: &[f32], kind: &str, count: usize) -> usize {
-        let view = self.bytes(&values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
-        let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind });
-        if kind == "VEC3" && values.len() == 36 {
-            accessor["min"] = json!([-0.5, -0.5, -0.5]);
-            accessor["max"] = json!([0.5, 0.5, 0.5]);
-        }
-        self.push("accessors", accessor)
-    }
-
-    /// A tetrahedron of twelve vertices; its primitive.
-    fn primitive(&mut self, material: usize, uvs: Option<&[[f32; 2]; 12]>, faces: Option<[[f32; 4]; 4]>) -> Value {
-        let c = [[0.5f32, 0.5, 0.5], [0.5, -0.5, -0.5], [-0.5, 0.5, -0.5], [-0.5, -0.5, 0.5]];
-        let corners = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].concat();
-        let positions: Vec<f32> = corners.iter().flat_map(|&i| c[i]).collect();
-        let mut attributes = json!({ "POSITION": self.floats(&positions, "VEC3", 12) });
-        if let Some(uvs) = uvs {
-            attributes["TEXCOORD_0"] = json!(self.floats(&uvs.concat(), "VEC2", 12));
-        }
-        if let Some(faces) = faces {
-            let colors: Vec<f32> = faces.iter().flat_map(|c| [*c; 3]).flatten().collect();
-            attributes["COLOR_0"] = json!(self.floats(&colors, "VEC4", 12));
-        }
-        json!({ "attributes": attributes, "material": material })
-    }
-
-    fn object(&mut self, primitives: Vec<Value>, at: f32) {
-        let mesh = self.push("meshes", json!({ "primitives": primitives }));
-        let node = self.push("nodes", json!({ "mesh": mesh, "translation": [at, 0, 0] }));
-        self.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(node));
-    }
-
-    /// A texture of one row.
-    fn texture(&mut self, texels: &[[u8; 4]]) -> usize {
-        let mut png = Vec::new();
-        let mut encoder = png::Encoder::new(&mut png, texels.len() as u32, 1);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.write_header().unwrap().write_image_data(&texels.concat()).unwrap();
-        let view = self.bytes(&png);
-        let image = self.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
-        let sampler = self.push("samplers", json!({ "magFilter": 9728, "wrapS": 33071 }));
-        self.push("textures", json!({ "source": image, "sampler": sampler }))
-    }
-
-    fn glb(&self) -> Vec<u8> {
-        let mut json = self.json.clone();
-        json["buffers"] = json!([{ "byteLength": self.data.len() }]);
-        let mut text = json.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let mut data = self.data.clone();
-        data.resize(data.len().next_multiple_of(4), 0);
-        let mut bytes = b"glTF\x02\0\0\0".to_vec();
-        bytes.extend(((28 + text.len() + data.len()) as u32).to_le_bytes());
-        bytes.extend((text.len() as u32).to_le_bytes());
-        bytes.extend(b"JSON");
-        bytes.extend(text);
-        bytes.extend((data.len() as u32).to_le_bytes());
-        bytes.extend(b"BIN\0");
-        bytes.extend(data);
-        bytes
-    }
-
-    fn gltf(&self) -> String {
-        use base64::Engine;
-        let mut json = self.json.clone();
-        let data = base64::engine::general_purpose::STANDARD.encode(&self.data);
-        json["buffers"] = json!([{ "byteLength": self.data.len(), "uri": format!("data:application/octet-stream;base64,{data}") }]);
-        format!("{json:#}")
-    }
-}
-
-/// Document and binary chunk of a GLB.
-fn open(sandbox: &Sandbox, name: &str) -> (Value, Vec<u8>) {
-    let bytes = std::fs::read(sandbox.path(name)).unwrap();
-    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
-    assert_eq!(word(8), bytes.len());
-    let end = 20 + word(12);
-    (serde_json::from_slice(&bytes[20..end]).unwrap(), bytes[end + 8..end + 8 + word(end)].to_vec())
-}
 
 /// Texels of a PNG, as fractions.
 fn texels(png: &[u8]) -> (usize, Vec<[f64; 3]>) {
@@ -228,7 +107,10 @@ fn a_texture_becomes_coefficients_and_nothing_else_changes() {
         assert_eq!(old[..], new[..old.len()], "{key}");
     }
     // Done twice there is no paint left; and what is written for other viewers goes with the medium.
-    sandbox.run(&["edit", "b.glb", "-o", "c.glb", "-m", "0", "--from-base-color"]).exits(0).says(&["/materials/0", "white"]);
+    sandbox
+        .run(&["edit", "b.glb", "-o", "c.glb", "-m", "0", "--from-base-color"])
+        .exits(0)
+        .says(&["/materials/0", "white"]);
     assert_eq!(open(&sandbox, "c.glb").0["materials"][0], after["materials"][0]);
     sandbox.run(&["edit", "b.glb", "-o", "d.glb", "-m", "0", "-m", "1", "-m", "2", "--remove"]).exits(0);
     let (removed, _) = open(&sandbox, "d.glb");
@@ -240,14 +122,22 @@ fn a_texture_becomes_coefficients_and_nothing_else_changes() {
 #[test]
 fn textures_are_files_beside_a_gltf() {
     let sandbox = Sandbox::new();
-    let mut doc = Doc::new(json!([{ "name": "My Skin", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0 } }]));
+    let mut doc = Doc::new(
+        json!([{ "name": "My Skin", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0 } }]),
+    );
     doc.texture(&[[255, 128, 0, 255], [20, 20, 20, 255]]);
     let primitive = doc.primitive(0, Some(&APART), None);
     doc.object(vec![primitive], 0.0);
     sandbox.file("a.gltf", doc.gltf());
     sandbox.file("b-My-Skin-absorption.png", "mine");
     edit(&sandbox, "a.gltf", "b.gltf", &HALF_MM).exits(0);
-    let files = ["a.gltf", "b-My-Skin-absorption-2.png", "b-My-Skin-absorption.png", "b-My-Skin-scattering.png", "b.gltf"];
+    let files = [
+        "a.gltf",
+        "b-My-Skin-absorption-2.png",
+        "b-My-Skin-absorption.png",
+        "b-My-Skin-scattering.png",
+        "b.gltf",
+    ];
     assert_eq!(sandbox.files(), files);
     assert_eq!(std::fs::read(sandbox.path("b-My-Skin-absorption.png")).unwrap(), b"mine");
     let after: Value = serde_json::from_slice(&std::fs::read(sandbox.path("b.gltf")).unwrap()).unwrap();
@@ -287,17 +177,19 @@ fn vertex_colours_are_baked_where_texels_are_free() {
     let (_, s) = coefficients(&after, &chunk, 0, "scattering");
     let at = |u: f64, v: f64| (v * (a.len() / width) as f64) as usize * width + (u * width as f64) as usize;
     let [red, green] = [RED, GREEN].map(|c| [0, 1, 2].map(|i| f64::from(c[i])));
-    for (place, color) in [(at(0.15, 0.15), red), (at(0.65, 0.15), green), (at(0.15, 0.65), [1.0; 3]), (at(0.65, 0.65), red)] {
+    for (place, color) in
+        [(at(0.15, 0.15), red), (at(0.65, 0.15), green), (at(0.15, 0.65), [1.0; 3]), (at(0.65, 0.65), red)]
+    {
         shows(a[place], s[place], 1.5, color, 2000.0);
     }
-    // In the same quarter, and outside of the unit square.
+    // In the same quarter, so that one of two faces shows the colour of the other; outside of the unit square; on a point.
     let mut overlapping = APART;
     overlapping[3..6].copy_from_slice(&APART[0..3]);
     let far = APART.map(|[u, v]| [8.0 * u - 3.0, 8.0 * v]);
     let point = [[0.5, 0.5]; 12];
     let cases: [(Option<[[f32; 2]; 12]>, &[&str]); 4] = [
         (None, &["/meshes/0/primitives/0/attributes/COLOR_0", "TEXCOORD_0"]),
-        (Some(overlapping), &["/meshes/0/primitives/0/attributes/COLOR_0", "50.0 %", "another colour"]),
+        (Some(overlapping), &["/meshes/0/primitives/0/attributes/COLOR_0", "25.0 %", "another colour"]),
         (Some(far), &["/meshes/0/primitives/0/attributes/COLOR_0", "outside of 0 to 1"]),
         (Some(point), &["/meshes/0/primitives/0/attributes/COLOR_0", "% of the surface", "smaller"]),
     ];
@@ -308,10 +200,17 @@ fn vertex_colours_are_baked_where_texels_are_free() {
         sandbox.file("bad.glb", doc.glb());
         edit(&sandbox, "bad.glb", "no.glb", &HALF_MM).exits(1).says(texts).says(&["--fix-surface"]);
         assert!(!sandbox.files().contains(&"no.glb".to_owned()));
-        sandbox.run(&["edit", "bad.glb", "-o", "ok.glb", "-m", "0", "--preset", "jade"]).exits(0).says(&["COLOR_0", "--from-base-color"]);
-        let run = sandbox.run(&["edit", "bad.glb", "-o", "ok.glb", "-m", "0", "--preset", "jade", "--fix-surface"]).exits(0);
+        sandbox
+            .run(&["edit", "bad.glb", "-o", "ok.glb", "-m", "0", "--preset", "jade"])
+            .exits(0)
+            .says(&["COLOR_0", "--from-base-color"]);
+        let run = sandbox
+            .run(&["edit", "bad.glb", "-o", "ok.glb", "-m", "0", "--preset", "jade", "--fix-surface"])
+            .exits(0);
         run.check(!run.stderr.contains("warning"), "should have nothing to warn about");
-        assert!(open(&sandbox, "ok.glb").0["meshes"][0]["primitives"][0]["attributes"].get("COLOR_0").is_none());
+        assert!(
+            open(&sandbox, "ok.glb").0["meshes"][0]["primitives"][0]["attributes"].get("COLOR_0").is_none()
+        );
     }
     // Tiles of one colour are no obstacle: nothing needs to be baked.
     let mut doc = Doc::new(white_material());
@@ -339,7 +238,10 @@ fn objects_whose_colours_exclude_each_other_get_materials_of_their_own() {
     let (after, _) = open(&sandbox, "b.glb");
     let used: Vec<&Value> = (0..3).map(|i| &after["meshes"][i]["primitives"][0]["material"]).collect();
     assert_eq!(used, [&json!(0), &json!(1), &json!(0)]);
-    assert_eq!((after["materials"].as_array().unwrap().len(), &after["materials"][1]["name"]), (2, &json!("M 2")));
+    assert_eq!(
+        (after["materials"].as_array().unwrap().len(), &after["materials"][1]["name"]),
+        (2, &json!("M 2"))
+    );
     for (material, color) in [RED, GREEN].into_iter().enumerate() {
         let own = &after["materials"][material]["extensions"][OURS];
         let triple = |key: &str| [0, 1, 2].map(|i| own[key][i].as_f64().unwrap());
@@ -364,7 +266,9 @@ fn objects_whose_colours_exclude_each_other_get_materials_of_their_own() {
     let halves: Vec<Value> = halves.collect();
     doc.object(halves, 0.0);
     sandbox.file("halves.glb", doc.glb());
-    edit(&sandbox, "halves.glb", "d.glb", &HALF_MM).exits(1).says(&["/meshes/0/primitives/", "not closed by itself"]);
+    edit(&sandbox, "halves.glb", "d.glb", &HALF_MM)
+        .exits(1)
+        .says(&["/meshes/0/primitives/", "not closed by itself"]);
 }
 
 /// What is cut out of a surface stays cut out.
@@ -407,7 +311,8 @@ fn alpha_survives() {
 #[test]
 fn what_tints_and_hides_is_told_and_what_does_not_is_not() {
     let sandbox = Sandbox::new();
-    let medium = json!({ OURS: { "absorptionCoefficient": [1, 2, 3], "scatteringCoefficient": [1000, 1000, 1000] } });
+    let medium =
+        json!({ OURS: { "absorptionCoefficient": [1, 2, 3], "scatteringCoefficient": [1000, 1000, 1000] } });
     let case = |surface: Value, texels: [[u8; 4]; 2], faces: [[f32; 4]; 4]| {
         let mut doc = Doc::new(json!([{ "extensions": medium, "pbrMetallicRoughness": surface }]));
         doc.texture(&texels);
@@ -431,7 +336,11 @@ fn what_tints_and_hides_is_told_and_what_does_not_is_not() {
     told(&run, "--fix-surface", true);
     // The factor of 1 is the default; the blue channel is metallic.
     told(&case(metal.clone(), [[255, 200, 0, 255]; 2], [WHITE; 4]), "metallic", false);
-    told(&case(metal, [[255, 200, 200, 255]; 2], [WHITE; 4]), "/materials/0/pbrMetallicRoughness/metallicFactor", true);
+    told(
+        &case(metal, [[255, 200, 200, 255]; 2], [WHITE; 4]),
+        "/materials/0/pbrMetallicRoughness/metallicFactor",
+        true,
+    );
 }
 
 /// A primitive that another material also shows keeps its colours, unless that is changed, too.
@@ -442,7 +351,8 @@ fn variants_are_asked_about() {
     doc.json["extensionsUsed"] = json!(["KHR_materials_variants"]);
     doc.json["extensions"] = json!({ "KHR_materials_variants": { "variants": [{ "name": "bare" }] } });
     let mut primitive = doc.primitive(0, None, Some([RED; 4]));
-    primitive["extensions"] = json!({ "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [0] }] } });
+    primitive["extensions"] =
+        json!({ "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [0] }] } });
     doc.object(vec![primitive], 0.0);
     sandbox.file("a.glb", doc.glb());
     let args = ["edit", "a.glb", "-o", "b.glb", "-m", "0", "--from-base-color"];

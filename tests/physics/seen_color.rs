@@ -11,8 +11,8 @@ use nephrite::optics::seen_color::shares_of_seen_color;
 use nephrite::scene::{
     ColorSpace, ImageData, ImagePixels, Minify, Scene, TextureDescription, TextureRef, Wrap,
 };
-use std::sync::Arc;
 use nephrite::transport::RenderOptions;
+use std::sync::Arc;
 
 /// Extinction, 1/m.
 const SIGMA_T: f64 = 1000.0;
@@ -93,7 +93,12 @@ fn painted_halves_show_their_paint() {
         ] {
             let (width, texels) = texture.as_ref().expect("a texture");
             let pixels = texels.iter().flat_map(|t| [t[0], t[1], t[2], u16::MAX]).collect();
-            let image = ImageData { name: String::new(), width: *width, height: 1, pixels: ImagePixels::Rgba16(pixels) };
+            let image = ImageData {
+                name: String::new(),
+                width: *width,
+                height: 1,
+                pixels: ImagePixels::Rgba16(pixels),
+            };
             *slot = Some(TextureRef {
                 texture: scene.textures.len(),
                 uv_set: 0,

@@ -151,14 +151,15 @@ impl Flat {
         let [a, b, c] = self.corners;
         let doubled = self.doubled_area();
         let blend = |w: [f32; 3]| self.colors[0] * w[0] + self.colors[1] * w[1] + self.colors[2] * w[2];
-        let edges = [(1, b, c), (2, c, a), (0, a, b)];
-        let longest = edges.map(|(_, from, to)| from.distance(to)).into_iter().fold(0.0, f32::max);
+        // Each opposite to the corner of its number.
+        let edges = [(b, c), (c, a), (a, b)];
+        let longest = edges.map(|(from, to)| from.distance(to)).into_iter().fold(0.0, f32::max);
         // A sliver, or a point: what counts is how far its edges are.
         let mut inside = doubled.abs() > 1e-6 * longest.max(1.0);
         let mut depth = f32::INFINITY;
         let mut weights = [0.0; 3];
         if inside {
-            for (i, (_, from, to)) in edges.into_iter().enumerate() {
+            for (i, (from, to)) in edges.into_iter().enumerate() {
                 let across = (to - from).perp_dot(p - from) * doubled.signum();
                 weights[i] = across / doubled.abs();
                 depth = depth.min(across / from.distance(to).max(f32::MIN_POSITIVE));
@@ -169,7 +170,7 @@ impl Flat {
             return (-depth, blend(weights));
         }
         let mut nearest = (f32::INFINITY, Vec4::ONE);
-        for (i, (_, from, to)) in edges.into_iter().enumerate() {
+        for (i, (from, to)) in edges.into_iter().enumerate() {
             let along = to - from;
             let t = ((p - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
             let distance = p.distance(from + along * t);
@@ -223,9 +224,18 @@ fn brought_back(i: i64, n: u32, wrap: Wrap) -> usize {
 
 /// Compares what a bilinear filter finds with what the vertices say; else the primitive that is worst, the share of all
 /// surface that is off, and why.
-fn judge(triangles: &[Flat], baked: &Baked, wraps: [Wrap; 2], primitives: usize) -> Result<(), (usize, f64, Why)> {
-    const POINTS: [[f32; 3]; 4] =
-        [[1.0 / 3.0; 3], [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]];
+fn judge(
+    triangles: &[Flat],
+    baked: &Baked,
+    wraps: [Wrap; 2],
+    primitives: usize,
+) -> Result<(), (usize, f64, Why)> {
+    const POINTS: [[f32; 3]; 4] = [
+        [1.0 / 3.0; 3],
+        [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
+        [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
+        [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+    ];
     let look_up = |p: Vec2| {
         let (base, t) = ((p - 0.5).floor(), (p - 0.5).fract_gl());
         let texel = |dx: i64, dy: i64| {

@@ -52,7 +52,11 @@ pub struct Alpha {
 ///
 /// # Errors
 /// Where vertex colours cannot be baked.
-pub(crate) fn coats(painting: &Painting, material: &PaintedMaterial, keep_alpha: bool) -> Result<Vec<Coat>, PaintError> {
+pub(crate) fn coats(
+    painting: &Painting,
+    material: &PaintedMaterial,
+    keep_alpha: bool,
+) -> Result<Vec<Coat>, PaintError> {
     let all: Vec<usize> = (0..painting.primitives.len())
         .filter(|&i| painting.primitives[i].materials.contains(&material.index))
         .collect();
@@ -162,7 +166,11 @@ impl Painter<'_> {
                 (baked.width, baked.colors.iter().enumerate().map(texel).collect())
             }
         };
-        Ok(Coat { primitives: primitives.to_vec(), colors: colors(width, &texels), alpha: self.alpha(width, &texels) })
+        Ok(Coat {
+            primitives: primitives.to_vec(),
+            colors: colors(width, &texels),
+            alpha: self.alpha(width, &texels),
+        })
     }
 
     fn alpha(&self, width: u32, texels: &[Vec4]) -> Alpha {

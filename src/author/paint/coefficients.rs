@@ -113,9 +113,11 @@ impl Basis {
         let sigma_a = [0, 1, 2].map(|i| digits(self.sigma_t[i] * largest[i]));
         let sigma_s = [0, 1, 2].map(|i| digits(self.sigma_t[i] * most[i]));
         let needed = |coefficient: [f64; 3], texels: &[[u16; 3]]| {
-            coefficient != [0.0; 3] && texels.iter().any(|t| (0..3).any(|i| coefficient[i] > 0.0 && t[i] < u16::MAX))
+            coefficient != [0.0; 3]
+                && texels.iter().any(|t| (0..3).any(|i| coefficient[i] > 0.0 && t[i] < u16::MAX))
         };
-        let texture = |coefficient, texels: Vec<[u16; 3]>| needed(coefficient, &texels).then_some((width, texels));
+        let texture =
+            |coefficient, texels: Vec<[u16; 3]>| needed(coefficient, &texels).then_some((width, texels));
         Painted {
             absorption: texture(sigma_a, absorption),
             scattering: texture(sigma_s, scattering),

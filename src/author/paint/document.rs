@@ -31,7 +31,9 @@ pub fn neutralise(material: &mut Node<'_>, alpha: &Alpha, texture: Option<Value>
 pub fn texture_info(like: Option<&Value>, index: usize) -> Value {
     let mut info = Map::new();
     info.insert("index".to_owned(), json!(index));
-    for (key, value) in like.and_then(Value::as_object).into_iter().flatten().filter(|(key, _)| *key != "index") {
+    for (key, value) in
+        like.and_then(Value::as_object).into_iter().flatten().filter(|(key, _)| *key != "index")
+    {
         info.insert(key.clone(), value.clone());
     }
     Value::Object(info)
@@ -51,7 +53,9 @@ pub fn clear_vertex_colors(root: &mut Node<'_>, mesh: usize, primitive: usize) -
     }
     const DRACO: &str = "KHR_draco_mesh_compression";
     let extensions = primitive.get_mut("extensions");
-    if let Some(attributes) = extensions.and_then(|e| e.get_mut(DRACO)).and_then(|own| own.get_mut("attributes")) {
+    if let Some(attributes) =
+        extensions.and_then(|e| e.get_mut(DRACO)).and_then(|own| own.get_mut("attributes"))
+    {
         clear(attributes);
     }
     let targets = before.get("targets").and_then(Value::as_array).map_or(0, Vec::len);
@@ -101,7 +105,8 @@ pub fn use_material(root: &mut Node<'_>, [mesh, primitive]: [usize; 2], old: usi
 /// Primitives with vertex colours that may be shown with a material: mesh, index in it, and all materials of it.
 pub fn colored_primitives(document: &Value, material: usize) -> Vec<([usize; 2], Vec<usize>)> {
     let mut found = Vec::new();
-    let list = |value: &Value, key: &str| value.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
+    let list =
+        |value: &Value, key: &str| value.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
     for (m, mesh) in list(document, "meshes").iter().enumerate() {
         for (p, primitive) in list(mesh, "primitives").iter().enumerate() {
             let materials = shown_with(primitive);

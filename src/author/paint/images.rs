@@ -48,7 +48,13 @@ impl NewImages {
     }
 
     /// The index of the texture of an image with that sampler; both are added unless they are there.
-    pub fn texture(&mut self, root: &mut Node<'_>, name: &str, png: Vec<u8>, sampler: Option<usize>) -> usize {
+    pub fn texture(
+        &mut self,
+        root: &mut Node<'_>,
+        name: &str,
+        png: Vec<u8>,
+        sampler: Option<usize>,
+    ) -> usize {
         let image = *self.known.entry(png).or_insert_with_key(|png| {
             self.images.push((name.to_owned(), png.clone()));
             self.before + self.images.len() - 1
@@ -113,7 +119,9 @@ impl NewImages {
 pub fn place_inside(file: &AuthoredFile) -> Place<'static> {
     let buffers = file.document().get("buffers").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     match (file.is_binary(), file.chunk_length(), buffers.first()) {
-        (true, Some(length), Some(first)) if first.get("uri").is_none() && first.get("extensions").is_none() => {
+        (true, Some(length), Some(first))
+            if first.get("uri").is_none() && first.get("extensions").is_none() =>
+        {
             Place::Chunk(length.next_multiple_of(4))
         }
         (true, None, None) => Place::Chunk(0),

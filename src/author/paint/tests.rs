@@ -11,7 +11,8 @@ fn every_texel_is_inverted_and_keeps_its_colour_beside_black() {
     let greys = [0.0f32, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0];
     let texels: Vec<Vec3> = greys.iter().map(|&c| Vec3::new(c, (0.2 + c).min(1.0), 0.5)).collect();
     let painted = basis.paint(&Colors::Picture { width: 4, texels: texels.clone() });
-    let (absorption, scattering) = (painted.absorption.as_ref().unwrap(), painted.scattering.as_ref().unwrap());
+    let (absorption, scattering) =
+        (painted.absorption.as_ref().unwrap(), painted.scattering.as_ref().unwrap());
     assert_eq!((absorption.0, absorption.1.len()), (4, greys.len()));
     for (i, texel) in texels.iter().enumerate() {
         for c in 0..2 {
@@ -33,7 +34,10 @@ fn every_texel_is_inverted_and_keeps_its_colour_beside_black() {
     let uniform = basis.paint(&Colors::Uniform(Vec3::splat(0.5)));
     assert!(uniform.absorption.is_none() && (uniform.sigma_s[2] / painted.sigma_s[2] - 1.0).abs() < 1e-4);
     let mean = painted.mean(&basis);
-    assert!((mean.sigma_t()[2] / 500.0 - 1.0).abs() < 1e-4 && (mean.sigma_a[2] / painted.sigma_a[2] - 1.0).abs() < 1e-3);
+    assert!(
+        (mean.sigma_t()[2] / 500.0 - 1.0).abs() < 1e-4
+            && (mean.sigma_a[2] / painted.sigma_a[2] - 1.0).abs() < 1e-3
+    );
 }
 
 #[test]

@@ -32,7 +32,8 @@ pub(super) fn run(
         check(authored.file.document(), &before, &painting, material, chosen)?;
         let coats = coats::coats(&painting, material, !change.args.fix_surface).map_err(failure)?;
         let ours = before.pointer(&format!("/extensions/{}", nephrite::NAME)).is_some();
-        if ours && matches!(&coats[..], [Coat { colors: Colors::Uniform(c), .. }] if c.min_element() >= WHITE) {
+        if ours && matches!(&coats[..], [Coat { colors: Colors::Uniform(c), .. }] if c.min_element() >= WHITE)
+        {
             reporter.warning(format!(
                 "/materials/{}: the base colour is white, so there is no paint to take; the medium stays as it is",
                 material.index
@@ -142,11 +143,16 @@ impl Job<'_> {
     ) -> Result<(), Failure> {
         let index = self.material.index;
         let painted = self.basis.paint(&coat.colors);
-        let name = self.before.get("name").and_then(Value::as_str).map_or(format!("material {place}"), str::to_owned);
+        let name = self
+            .before
+            .get("name")
+            .and_then(Value::as_str)
+            .map_or(format!("material {place}"), str::to_owned);
         let sampler = self.material.sampler;
         let info = self.material.info.as_ref();
         let mut add = |what: &str, png: Result<Vec<u8>, PaintError>| {
-            let texture = images.texture(tree.root_mut(), &format!("{name} {what}"), png.map_err(failure)?, sampler);
+            let texture =
+                images.texture(tree.root_mut(), &format!("{name} {what}"), png.map_err(failure)?, sampler);
             Ok::<Value, Failure>(document::texture_info(info, texture))
         };
         let mut coefficient = |what: &str, texels: &Option<(u32, Vec<[u16; 3]>)>| {
@@ -155,7 +161,11 @@ impl Job<'_> {
         };
         let absorption = coefficient("absorption", &painted.absorption)?;
         let scattering = coefficient("scattering", &painted.scattering)?;
-        let alpha = coat.alpha.texels.as_ref().map(|(width, texels)| add("alpha", images::png_of_alpha(*width, texels)));
+        let alpha = coat
+            .alpha
+            .texels
+            .as_ref()
+            .map(|(width, texels)| add("alpha", images::png_of_alpha(*width, texels)));
         let alpha = alpha.transpose()?;
 
         let mut members = self.change.applied_to(self.before, index)?;
@@ -189,7 +199,12 @@ impl Job<'_> {
 }
 
 /// Removes the vertex colours of everything that shows these materials, and tells where others need them.
-pub(super) fn clear_vertex_colors(tree: &mut Tree<'_>, document: &Value, chosen: &[usize], reporter: &Reporter) {
+pub(super) fn clear_vertex_colors(
+    tree: &mut Tree<'_>,
+    document: &Value,
+    chosen: &[usize],
+    reporter: &Reporter,
+) {
     let root: &mut Node<'_> = tree.root_mut();
     for &index in chosen {
         for ([mesh, primitive], materials) in document::colored_primitives(document, index) {

@@ -32,8 +32,7 @@ pub(super) fn run(args: PresetsArgs) -> Result<(), Failure> {
     }
 }
 
-/// The presets with any of these names, in the order of all; those that are called so alone where a name is one in full
-/// and no beginning of others.
+/// The presets with the words of any of these texts in one of their names, in the order of all; all without texts.
 fn chosen(names: &[String]) -> Result<Vec<&'static Preset>, Failure> {
     for name in names {
         if Preset::named(name).is_none() && !Preset::all().any(|preset| preset.matches(name)) {

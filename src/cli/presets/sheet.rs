@@ -137,7 +137,8 @@ fn render(
     };
     let rendered = pipeline::render(&scene, &options, models, control)?;
     let pixels: Vec<Vec3> = rendered.film.pixels.clone();
-    Picture::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p)).map_err(Failure::cannot)
+    Picture::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p))
+        .map_err(Failure::cannot)
 }
 
 /// Looks at the sphere from a little above.

@@ -3,7 +3,7 @@
 /// (other name, name). Words in another order, and types of skin by number, need
 /// no entry ([`super::Preset::named`]).
 #[rustfmt::skip]
-pub const ALIASES: [(&str, &str); 94] = [
+pub const ALIASES: [(&str, &str); 93] = [
     ("beer", "budweiser-beer"), ("blonde-beer", "coors-light-beer"), ("bleach", "clorox"),
     ("candle", "wax"), ("candle-wax", "wax"), ("paraffin", "wax"), ("wax-yellow", "beeswax"),
     ("cappuccino", "cappuccino-powder"), ("coffee", "espresso"), ("mocha", "suisse-mocha-powder"),
@@ -16,7 +16,7 @@ pub const ALIASES: [(&str, &str); 94] = [
     ("eye", "openpbr-eye-sclera"), ("sclera", "openpbr-eye-sclera"), ("pearl", "openpbr-pearl"), ("snow", "openpbr-snow"),
     ("petroleum", "openpbr-petroleum"), ("crude-oil", "openpbr-petroleum"), ("oil", "olive-oil"),
     ("nephrite", "jade"), ("jade-green", "jade"), ("jadeite", "jade-imperial"), ("mutton-fat-jade", "jade-white"),
-    ("glycerin-soap", "soap-glycerin"), ("glycerine-soap", "soap-glycerin"), ("soap-bar", "soap"),
+    ("glycerine-soap", "soap-glycerin"), ("soap-bar", "soap"),
     ("gummy-bear", "gummy"), ("gummy-red", "gummy"), ("gummi", "gummy"), ("wine-gum", "gummy"), ("jelly-bear", "gummy"),
     ("jello", "jelly"), ("gelatin", "jelly"), ("gelatine", "jelly"), ("resin", "amber"), ("succinite", "amber"),
     ("leaves", "leaf"), ("foliage", "leaf"), ("plant", "leaf"), ("flower", "petal"), ("rose-petal", "petal"), ("grape-green", "grape"),

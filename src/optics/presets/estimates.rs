@@ -262,7 +262,11 @@ mod tests {
         }
         let skins = ["i", "ii", "iii", "iv", "v", "vi"].map(|t| Preset::named(&format!("skin-{t}")).unwrap());
         for pair in skins.windows(2) {
-            assert!((0..3).all(|i| pair[0].sigma_a_per_mm[i] < pair[1].sigma_a_per_mm[i]), "{}", pair[1].name);
+            assert!(
+                (0..3).all(|i| pair[0].sigma_a_per_mm[i] < pair[1].sigma_a_per_mm[i]),
+                "{}",
+                pair[1].name
+            );
         }
     }
 }

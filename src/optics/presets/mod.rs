@@ -126,7 +126,9 @@ impl Preset {
         let has = |name: &str| {
             let key = aliases::key(name);
             let words: Vec<&str> = key.split('-').collect();
-            wanted.split('-').all(|w| words.iter().any(|word| *word == w || (w.len() > 2 && word.starts_with(w))))
+            wanted
+                .split('-')
+                .all(|w| words.iter().any(|word| *word == w || (w.len() > 2 && word.starts_with(w))))
         };
         !wanted.is_empty() && (has(self.name) || self.other_names().any(has))
     }
@@ -204,8 +206,11 @@ mod tests {
         ] {
             assert_eq!(Preset::named(typed).map(|preset| preset.name), Some(name), "{typed}");
         }
-        assert!(Preset::named("").is_none() && Preset::named("-").is_none() && Preset::named("jad").is_none());
-        let found = |text: &str| Preset::all().filter(|p| p.matches(text)).map(|p| p.name).collect::<Vec<_>>();
+        assert!(
+            Preset::named("").is_none() && Preset::named("-").is_none() && Preset::named("jad").is_none()
+        );
+        let found =
+            |text: &str| Preset::all().filter(|p| p.matches(text)).map(|p| p.name).collect::<Vec<_>>();
         assert_eq!(found("lavender jade"), ["jade-lavender"]);
         assert!(found("jade").len() >= 4 && found("skin").len() >= 14 && found("").is_empty());
         assert_eq!(found("jadei"), ["jade-imperial"]);
