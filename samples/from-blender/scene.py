@@ -115,7 +115,7 @@ def bodies():
     node.subsurface_method = "RANDOM_WALK"
     bpy.ops.mesh.primitive_monkey_add(size=0.075, location=(-0.085, 0, 0.036), rotation=(math.radians(-12), 0, math.radians(20)))
     monkey = put(bpy.context.object, jade)
-    # Suzanne is open at her eyes, and a medium needs an inside.
+    # Her eyes are sheets with open edges, and a medium needs an inside.
     remesh = monkey.modifiers.new("remesh", "REMESH")
     remesh.mode, remesh.voxel_size, remesh.use_smooth_shade = "VOXEL", 0.0016, True
     smooth = monkey.modifiers.new("smooth", "SMOOTH")
