@@ -187,7 +187,7 @@ fn vertex_colours_are_baked_where_texels_are_free() {
     overlapping[3..6].copy_from_slice(&APART[0..3]);
     let far = APART.map(|[u, v]| [8.0 * u - 3.0, 8.0 * v]);
     let point = [[0.5, 0.5]; 12];
-    let cases: [(Option<&[[f32; 2]; 12]>, [&str; 3]); 4] = [
+    let cases = [
         (None, ["/meshes/0/primitives/0/attributes/COLOR_0", "TEXCOORD_0", "unwrap"]),
         (Some(&overlapping), ["/meshes/0/primitives/0/attributes/COLOR_0", "25.0 %", "another colour"]),
         (Some(&far), ["/meshes/0/primitives/0/attributes/COLOR_0", "outside of 0 to 1", "unwrap"]),
