@@ -107,6 +107,11 @@ impl<'a> TexturedMedium<'a> {
         if majorant <= 0.0 {
             return Vec3::ONE;
         }
+        if medium.multi_scatter.is_some() {
+            // Such textures share extinction out and do not change it. 0 · ∞ is 0 here.
+            let sigma_t = medium.sigma_a + medium.sigma_s;
+            return Vec3::select(sigma_t.cmpgt(Vec3::ZERO), (-sigma_t * length).exp(), Vec3::ONE);
+        }
         let (mut t, mut transmittance) = (0.0, Vec3::ONE);
         loop {
             t += rng.exponential() / majorant;
@@ -122,6 +127,9 @@ impl<'a> TexturedMedium<'a> {
         }
     }
 }
+
+/// Null collisions of a flight, at most: in an open mesh there is no end to them.
+const MOST_NULL_COLLISIONS: u32 = 1 << 16;
 
 /// Follows a path through a textured medium.
 pub(super) fn propagate(
@@ -140,6 +148,8 @@ pub(super) fn propagate(
     // The boundary is at least that far.
     let mut clear = 0.0;
     let bounds = flight.bounds();
+    // They turn nothing: what is met after them is seen from where the flight set out.
+    let mut nulls = 0;
     loop {
         let t = if majorant > 0.0 { sampler.rng().exponential() / majorant } else { f32::INFINITY };
         if (t >= clear || !alone)
@@ -196,14 +206,15 @@ pub(super) fn propagate(
             }
         } else {
             head.throughput *= sigma_n / (majorant * (1.0 - real));
-            head.events += 1;
+            nulls += 1;
             if let Some(aiming) = &mut aiming {
                 aiming.flown += t;
             }
         }
         head.throughput *= survival(head.throughput.max_element() * radiance_scale, sampler.rng());
-        let asked = head.events.is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
-        if head.events >= flight.budget || head.throughput.max_element() <= 0.0 || asked {
+        let asked = (head.events + nulls).is_multiple_of(BETWEEN_QUESTIONS) && flight.stop.asked();
+        let over = head.events >= flight.budget || nulls >= MOST_NULL_COLLISIONS || asked;
+        if over || head.throughput.max_element() <= 0.0 {
             return Arrival::Ended;
         }
     }

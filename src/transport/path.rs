@@ -111,9 +111,10 @@ impl PathTracer<'_> {
             }
             let from = path.head.position;
             let reach = self.reach(path);
+            let outside = path.stack.is_empty();
             let arrival = self.advance(path, reach, radiance, sampler);
             if path.direct_view
-                && path.stack.is_empty()
+                && outside
                 && let Some(t) = self.ground_distance(from, path.head.direction, &arrival, reach)
             {
                 return Some(self.catch(path, from + t * path.head.direction, sampler));
@@ -159,15 +160,15 @@ impl PathTracer<'_> {
     #[inline]
     fn end_view(&self, path: &mut Path, reach: f32, arrival: &Arrival) {
         if reach < f32::INFINITY && matches!(arrival, Arrival::Escaped) {
-            path.stack = MediumStack::default();
+            self.moved(path, |stack| *stack = MediumStack::default());
         }
     }
 
     /// Lets a path that has flown through a medium without an event out at the far plane.
     #[cold]
-    fn end_flight(&self, path: &mut Path, reach: f32, arrival: Arrival) -> Arrival {
+    fn end_flight(&self, path: &mut Path, (from, reach): (Vec3, f32), arrival: Arrival) -> Arrival {
         let arrival = match arrival {
-            Arrival::Surface(hit) if hit.t > reach => Arrival::Escaped,
+            Arrival::Surface(_) if from.distance(path.head.position) > reach => Arrival::Escaped,
             other => other,
         };
         self.end_view(path, reach, &arrival);
@@ -208,6 +209,7 @@ impl PathTracer<'_> {
         let eta = medium.ior / self.ior_of(path.stack.below());
         let stop = self.stop;
         let flight = Flight { scene: self.scene, enclosure, object, medium, eta, budget, connection, stop };
+        let from = path.head.position;
         path.head.events = 0;
         path.head.aimed = Aimed::default();
         let mut lights = FlightLights::new(self, path.stack, enclosure);
@@ -229,7 +231,7 @@ impl PathTracer<'_> {
             path.total_reflections = 0;
             path.footprint.forget();
         } else if reach < f32::INFINITY {
-            return self.end_flight(path, reach, arrival);
+            return self.end_flight(path, (from, reach), arrival);
         }
         arrival
     }

@@ -88,11 +88,13 @@ impl InPlace {
         }
         // A triangle that is there twice is one boundary.
         let bounds = |s: &Surface| scene.medium(s.material).is_some();
-        surfaces.dedup_by(|later, earlier| {
-            later.instance == earlier.instance
-                && bounds(later)
-                && bounds(earlier)
-                && scene.is_repetition(later)
+        let mut last = None;
+        surfaces.retain(|s| {
+            if bounds(s) && last == Some(s.instance) && scene.is_repetition(s) {
+                return false;
+            }
+            last = if bounds(s) { Some(s.instance) } else { last };
+            true
         });
         let mut members: Vec<Member> = Vec::new();
         let mut boundary = None;

@@ -29,9 +29,8 @@ impl Surroundings {
         let mut found = Self { around: MediumStack::default(), undecided: Vec::new() };
         for i in 0..scene.objects.len() as u32 {
             let object = &scene.objects[i as usize];
-            let bounds = || scene.geometry.transform(i).bounds(&scene.geometry.mesh_of(i).bounds());
-            let meets = |b: Aabb| b.min.cmple(starts.max).all() && b.max.cmpge(starts.min).all();
-            if !(object.has_medium && object.closed && meets(bounds())) {
+            let may_be_around = || scene.geometry.instance_bounds(i).overlaps(&starts);
+            if !(object.has_medium && object.closed && may_be_around()) {
                 continue;
             }
             if surface_is_near(scene, i, &corners) {

@@ -246,6 +246,16 @@ fn alpha_blend_lets_the_rest_of_a_shadow_ray_through() {
 
 /// A white floor at z = 0 seen from just above it, with `above` over it.
 fn floor_below(above: MeshDescription, material: MaterialDescription, sky: f32) -> Estimate {
+    floor_below_with(above, material, sky, |_| ())
+}
+
+/// The same, of a changed scene; the material is the second one.
+fn floor_below_with(
+    above: MeshDescription,
+    material: MaterialDescription,
+    sky: f32,
+    change: impl FnOnce(&mut SceneDescription),
+) -> Estimate {
     let floor = MaterialDescription { metallic: 0.0, specular: 0.0, ..Default::default() };
     let environment = EnvironmentDescription::Constant(Vec3::splat(sky));
     let mut scene = single(emitter(0.0, 1.0, 0.0).0, floor, environment);
@@ -253,6 +263,7 @@ fn floor_below(above: MeshDescription, material: MaterialDescription, sky: f32) 
     scene.materials.push(material);
     scene.meshes.push(above);
     scene.instances.push(place(1, Affine3A::from_translation(Vec3::Z)));
+    change(&mut scene);
     let scene = Scene::build(scene).expect("builds");
     measure(&scene, &options(ortho(Vec3::NEG_Z, 0.2, 0.01), 24, 128))
 }
@@ -264,6 +275,23 @@ fn light_through_a_tinted_boundary_without_contrast_counts_once() {
     let mut slab = cuboid(Vec3::new(400.0, 400.0, 0.1));
     slab.triangle_materials.fill(1);
     floor_below(slab, glass, 1.0).assert_matches([0.25, 0.36, 0.49], [1e-4; 3], "tinted");
+}
+
+/// Null collisions turn nothing: what is met beyond them was sampled before them, too.
+#[test]
+fn light_through_a_textured_medium_counts_once() {
+    let mut slab = with_uvs(cuboid(Vec3::new(40.0, 40.0, 0.5)));
+    slab.triangle_materials.fill(1);
+    let smoke = |factor: f32| {
+        let sigma_s = Vec3::new(0.5, 1.0, 2.0);
+        subsurface(factor * Vec3::new(1.0, 0.5, 0.2), factor * sigma_s, 0.0, 1.0, 0.0)
+    };
+    let textured = floor_below_with(slab.clone(), smoke(2.0), 1.0, |scene| {
+        let texture = add_texture(scene, 2, &[Vec3::splat(0.5); 4]);
+        let medium = scene.materials[1].medium.as_mut().expect("a medium");
+        (medium.absorption_texture, medium.scattering_texture) = (Some(texture), Some(texture));
+    });
+    textured.assert_same_within(0.005, &floor_below(slab, smoke(1.0), 1.0), "textured smoke");
 }
 
 #[test]
