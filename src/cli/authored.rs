@@ -124,8 +124,11 @@ impl<'a> Authored<'a> {
 
     /// The paint of materials.
     pub fn painting(&self, materials: &[usize]) -> Result<Painting, Failure> {
-        let asset =
-            Asset::from_bytes(self.file.bytes().to_vec(), &directory_of(&self.args.load.input), &self.options);
+        let asset = Asset::from_bytes(
+            self.file.bytes().to_vec(),
+            &directory_of(&self.args.load.input),
+            &self.options,
+        );
         asset.and_then(|asset| asset.painting(materials)).map_err(|e| cannot_read(&self.args.load.input, &e))
     }
 
