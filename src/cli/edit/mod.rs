@@ -66,6 +66,10 @@ fn material_of<'n, 'a>(tree: &'n mut Tree<'a>, index: usize) -> Result<&'n mut N
 /// Whoever asked for a change and gets the same file made a mistake.
 fn nothing_changes(args: &EditArgs, target: &TargetArgs, chosen: &[usize]) -> Failure {
     let file = shown(&target.load.input);
+    if args.from_base_color {
+        let (why, advice) = ("no material has paint", "`nephrite inspect` shows base colours");
+        return Failure::advise(format!("{file}: nothing changes, and nothing is written: {why}"), advice);
+    }
     let (why, advice) = match (chosen.len(), args.remove) {
         (0, _) => ("it has no materials", "give its meshes a material first"),
         (1, true) => ("the material has no medium that could be removed", "`nephrite inspect` lists media"),
