@@ -96,6 +96,14 @@ fn whitened(m: MaterialDescription) -> MaterialDescription {
             sheen.color = Vec3::splat(sheen.color.max_element());
             sheen.color_texture = None;
         }
+        if let Some(coat) = &mut layers.coat {
+            coat.color = Vec3::ONE;
+            coat.color_texture = None;
+        }
+        if let Some(fuzz) = &mut layers.fuzz {
+            fuzz.color = Vec3::ONE;
+            fuzz.color_texture = None;
+        }
         if let Some(leaf) = &mut layers.diffuse_transmission {
             leaf.color = Vec3::ONE;
             leaf.color_texture = None;
@@ -112,7 +120,7 @@ fn whitened(m: MaterialDescription) -> MaterialDescription {
 fn limits(m: &MaterialDescription) -> [f64; 2] {
     let layers = m.layers.as_deref().cloned().unwrap_or_default();
     let treated = m.specular != 1.0 || m.specular_color != Vec3::ONE || layers.iridescence.is_some();
-    let layered = layers.clearcoat.is_some() || layers.sheen.is_some();
+    let layered = layers.coat.is_some() || layers.fuzz.is_some() || layers.sheen.is_some();
     let mut error = 5e-3;
     if layered {
         error = 2e-2;
@@ -124,7 +132,7 @@ fn limits(m: &MaterialDescription) -> [f64; 2] {
         error = 4.5e-2;
     }
     // Maps bend normals away from the viewer, and light that would come from below the surface is lost.
-    let bent = m.normal_texture.is_some() || layers.clearcoat.is_some_and(|c| c.normal_texture.is_some());
+    let bent = m.normal_texture.is_some() || layers.coat.is_some_and(|c| c.normal_texture.is_some());
     let dark = if m.unlit || layers.iridescence.is_some() || bent { 1.0 } else { error };
     [error, dark]
 }

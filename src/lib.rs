@@ -26,6 +26,7 @@ pub mod geometry;
 mod guard;
 pub mod light;
 pub mod optics;
+mod room;
 pub mod sampling;
 pub mod scene;
 pub mod subsurface;

@@ -15,11 +15,23 @@ const MATERIAL: &[(&str, &str)] = &[
         r#"{"clearcoatFactor":1,"clearcoatTexture":{"index":0},"clearcoatRoughnessFactor":0.3,"clearcoatRoughnessTexture":{"index":0},"clearcoatNormalTexture":{"index":0,"scale":2}}"#,
     ),
     (
+        "KHR_materials_coat",
+        r#"{"coatFactor":1,"coatTexture":{"index":0},"coatRoughnessFactor":0.3,"coatRoughnessTexture":{"index":0},"coatNormalTexture":{"index":0,"scale":2},"coatIor":1.6,"coatColorFactor":[1,0.5,0.2],"coatColorTexture":{"index":0},"coatDarkeningFactor":0.5,"coatAnisotropyStrength":0.6,"coatAnisotropyRotation":1.5,"coatAnisotropyTexture":{"index":0}}"#,
+    ),
+    (
+        "KHR_materials_diffuse_roughness",
+        r#"{"diffuseRoughnessFactor":0.8,"diffuseRoughnessTexture":{"index":0}}"#,
+    ),
+    (
         "KHR_materials_diffuse_transmission",
         r#"{"diffuseTransmissionFactor":0.5,"diffuseTransmissionTexture":{"index":0},"diffuseTransmissionColorFactor":[1,0.5,0.2],"diffuseTransmissionColorTexture":{"index":0}}"#,
     ),
     ("KHR_materials_dispersion", r#"{"dispersion":0.3}"#),
     ("KHR_materials_emissive_strength", r#"{"emissiveStrength":10}"#),
+    (
+        "KHR_materials_fuzz",
+        r#"{"fuzzFactor":0.7,"fuzzTexture":{"index":0},"fuzzColorFactor":[1,0.5,0.2],"fuzzColorTexture":{"index":0},"fuzzRoughnessFactor":0.4,"fuzzRoughnessTexture":{"index":0}}"#,
+    ),
     ("KHR_materials_ior", r#"{"ior":1.33}"#),
     (
         "KHR_materials_iridescence",

@@ -8,7 +8,7 @@ use std::ops::Range;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
-use super::error::AssetError;
+use super::error::{AssetError, count};
 
 const MAGIC: &[u8] = b"glTF";
 const HEADER: usize = 12;
@@ -73,7 +73,9 @@ fn split_glb(bytes: &[u8]) -> Result<Parts, AssetError> {
     }
     let mut oddities = Vec::new();
     if length < bytes.len() {
-        oddities.push(format!("{} bytes after the end of the GLB are ignored", bytes.len() - length));
+        let more = bytes.len() - length;
+        let are = if more == 1 { "is" } else { "are" };
+        oddities.push(format!("{} after the end of the GLB {are} ignored", count(more, "byte", "bytes")));
     }
     let bytes = &bytes[..length];
     let mut json = None;

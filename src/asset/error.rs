@@ -121,6 +121,16 @@ pub enum AssetError {
         /// The field of [`Limits`](crate::asset::Limits) that can be raised.
         field: &'static str,
     },
+    /// There is no memory for what the file asks for, although the limits allow it.
+    #[error("{}{what} needs {:.1} GB of memory, which are not there", prefix(pointer), *needed as f64 / 1e9)]
+    Memory {
+        /// Where.
+        pointer: String,
+        /// What needs it.
+        what: &'static str,
+        /// How many bytes.
+        needed: u64,
+    },
     /// A strict load met something that would otherwise be a warning.
     #[error("{0}")]
     Strict(Diagnostic),
@@ -149,7 +159,8 @@ impl AssetError {
             Self::Io { pointer, .. }
             | Self::Invalid { pointer, .. }
             | Self::Uri { pointer, .. }
-            | Self::Limit { pointer, .. } => pointer,
+            | Self::Limit { pointer, .. }
+            | Self::Memory { pointer, .. } => pointer,
             Self::RequiredExtension { .. } => "/extensionsRequired",
             Self::Strict(diagnostic) => &diagnostic.pointer,
             Self::Container { .. } | Self::Json { .. } => "",
@@ -174,13 +185,18 @@ impl AssetError {
             }
             Self::Limit { field, .. } => Some(crate::scene::raise_limit(field)),
             Self::Strict(diagnostic) => diagnostic.advice.clone(),
-            Self::Io { .. } | Self::Json { .. } => None,
+            Self::Io { .. } | Self::Json { .. } | Self::Memory { .. } => None,
         }
     }
 }
 
 fn prefix(pointer: &str) -> String {
     if pointer.is_empty() { String::new() } else { format!("{pointer}: ") }
+}
+
+/// “1 vertex”, “2 vertices”.
+pub(crate) fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// Text from a file, cut to what a message can bear and free of control characters.

@@ -25,24 +25,10 @@ pub(crate) fn document_in(path: &Path) -> Result<PathBuf, AssetError> {
             None => Ok(path.to_owned()),
         };
     }
-    let io = |source| AssetError::Io { pointer: String::new(), path: path.to_owned(), source };
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(io)? {
-        let file = entry.map_err(io)?.path();
-        let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        if matches!(extension.as_deref(), Some("gltf" | "glb")) && !file.is_dir() {
-            found.push(file);
-        }
-    }
-    // `.glb` sorts before `.gltf`.
-    found.sort();
+    let found = listed(path)?;
     match &found[..] {
         [only] => Ok(only.clone()),
         [glb, gltf] if glb.file_stem() == gltf.file_stem() => Ok(glb.clone()),
-        [] => Err(AssetError::Container {
-            message: format!("{} holds no .gltf or .glb file", path.display()),
-            advice: Some("name the file itself; folders below are not searched".to_owned()),
-        }),
         several => {
             let names = several.iter().take(MOST_NAMED).filter_map(|p| p.file_name());
             let mut names: Vec<_> = names.map(|n| n.to_string_lossy().into_owned()).collect();
@@ -55,6 +41,33 @@ pub(crate) fn document_in(path: &Path) -> Result<PathBuf, AssetError> {
             })
         }
     }
+}
+
+/// The path itself, or, of a folder, all `.gltf` and `.glb` files directly in it, by name; at least one.
+pub(crate) fn documents_in(path: &Path) -> Result<Vec<PathBuf>, AssetError> {
+    if path.is_dir() { listed(path) } else { Ok(vec![path.to_owned()]) }
+}
+
+/// The `.gltf` and `.glb` files directly in a folder, `.glb` before `.gltf` of the same name.
+fn listed(folder: &Path) -> Result<Vec<PathBuf>, AssetError> {
+    let io = |source| AssetError::Io { pointer: String::new(), path: folder.to_owned(), source };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(io)? {
+        let file = entry.map_err(io)?.path();
+        let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        if matches!(extension.as_deref(), Some("gltf" | "glb")) && !file.is_dir() {
+            found.push(file);
+        }
+    }
+    if found.is_empty() {
+        return Err(AssetError::Container {
+            message: format!("{} holds no .gltf or .glb file", folder.display()),
+            advice: Some("name the file itself; folders below are not searched".to_owned()),
+        });
+    }
+    // `.glb` sorts before `.gltf`, whatever else begins with the same letters.
+    found.sort_by(|a, b| (a.file_stem(), a).cmp(&(b.file_stem(), b)));
+    Ok(found)
 }
 
 #[cfg(test)]

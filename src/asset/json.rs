@@ -5,7 +5,7 @@
 
 use serde_json::{Map, Value};
 
-use super::error::{AssetError, shorten};
+use super::error::{AssetError, count as plural, shorten};
 
 /// A JSON value and the pointer (RFC 6901) that leads to it.
 #[derive(Clone, Debug)]
@@ -188,7 +188,7 @@ impl<'a> Json<'a> {
             count += 1;
         }
         if count != N {
-            return Err(array.error(format!("{count} numbers where {N} are expected")));
+            return Err(array.error(format!("{} where {N} are expected", plural(count, "number", "numbers"))));
         }
         Ok(Some(numbers))
     }

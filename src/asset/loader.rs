@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::LoadOptions;
 use super::buffer::Bytes;
-use super::error::{AssetError, Diagnostic, Severity};
+use super::error::{AssetError, Diagnostic, Severity, count};
 use super::json::Json;
 use super::opened::Cache;
 use super::rebase::Exact;
@@ -220,7 +220,10 @@ impl<'a> Loader<'a> {
         let Some(array) = json.get(key) else { return Ok(default) };
         let given = array.items()?.take(MOST_FACTORS).map(|n| n.as_f64()).collect::<Result<Vec<f64>, _>>()?;
         if given.len() != N {
-            self.invalid(array.pointer(), format!("{} numbers where {N} are expected", given.len()))?;
+            self.invalid(
+                array.pointer(),
+                format!("{} where {N} are expected", count(given.len(), "number", "numbers")),
+            )?;
         }
         let mut values = default.map(f64::from);
         for (value, given) in values.iter_mut().zip(given) {

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::error::AssetError;
+use super::error::{AssetError, count};
 use super::json::Json;
 use super::loader::Loader;
 use super::manifold;
@@ -123,8 +123,10 @@ impl Loader<'_> {
             *p = Vec3::ZERO;
         }
         if lost > 0 {
+            let has = if lost == 1 { "has" } else { "have" };
             let message = format!(
-                "{lost} of {before} triangles have a corner that is no number or beyond {FARTHEST:e} m"
+                "{lost} of {} {has} a corner that is no number or beyond {FARTHEST:e} m",
+                count(before, "triangle", "triangles")
             );
             self.warn(json.pointer(), message, None);
         }
@@ -138,7 +140,9 @@ impl Loader<'_> {
         if !primitive.normals.is_empty() {
             let bad = normalize(primitive);
             if bad > 0 {
-                let message = format!("{bad} of {} normals have no direction", primitive.normals.len());
+                let has = if bad == 1 { "has" } else { "have" };
+                let normals = count(primitive.normals.len(), "normal", "normals");
+                let message = format!("{bad} of {normals} {has} no direction");
                 self.warn(&format!("{}/NORMAL", json.pointer_to("attributes")), message, None);
             }
         }

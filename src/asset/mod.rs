@@ -57,6 +57,7 @@ pub use accessor::{Accessor, Component};
 pub use animation::{AnimationSummary, Moment, MutableProperty, PropertyKind};
 pub use buffer::Bytes;
 pub use error::{AssetError, Diagnostic, Severity};
+pub(crate) use input::documents_in;
 pub use json::Json;
 pub use limits::Limits;
 pub use loader::Loader;
@@ -242,7 +243,9 @@ impl<'a> Loader<'a> {
         }
         let collapsed = self.totals.collapsed;
         if collapsed > 0 {
-            self.note("/meshes", format!("{collapsed} triangles with two corners at one place are left out"));
+            let triangles = error::count(collapsed, "triangle", "triangles");
+            let are = if collapsed == 1 { "is" } else { "are" };
+            self.note("/meshes", format!("{triangles} with two corners at one place {are} left out"));
         }
         let loader::Totals { repeated_primitives, repeated_objects, .. } = self.totals;
         if repeated_primitives > 0 {

@@ -63,7 +63,7 @@ impl Loader<'_> {
             }
         }
         if pose.weights.len() > count {
-            let message = format!("there are {} weights for {count} targets", pose.weights.len());
+            let message = format!("more weights ({}) than targets ({count}) are there", pose.weights.len());
             self.invalid(targets.pointer(), message)?;
         }
         Ok(())
@@ -89,7 +89,8 @@ impl Loader<'_> {
             promised => promised?.unwrap_or(0),
         };
         if promised != vertices {
-            let message = format!("has {promised} elements, but POSITION has {vertices}; it is ignored");
+            let message =
+                format!("its number of elements is {promised}, that of POSITION {vertices}; it is ignored");
             return self.invalid(&pointer, message);
         }
         if weight == 0.0 {

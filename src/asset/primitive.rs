@@ -228,7 +228,8 @@ impl Loader<'_> {
         };
         let found = accessor.as_ref().map_or(0, |a| a.count) + elements.as_ref().map_or(0, |e| e.1.len());
         if let Some(expected) = expected.filter(|&n| n != found) {
-            let message = format!("has {found} elements, but POSITION has {expected}; it is ignored");
+            let message =
+                format!("its number of elements is {found}, that of POSITION {expected}; it is ignored");
             self.invalid(&attributes.pointer_to(key), message)?;
             return Ok(None);
         }

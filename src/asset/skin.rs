@@ -8,7 +8,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Mat3, Mat4};
 
-use super::error::AssetError;
+use super::error::{self, AssetError};
 use super::json::Json;
 use super::loader::Loader;
 use super::pose::Pose;
@@ -158,16 +158,18 @@ impl Loader<'_> {
                 (blends, node) = posed(from)?;
             }
         }
+        let vertices = error::count(count, "vertex", "vertices");
         let alone = blends.iter().filter(|b| b.weight == 0.0).count();
         if alone > 0 {
-            let message = format!("{alone} of {count} vertices follow no joint; they stay at their node");
+            let message =
+                format!("no joint moves {alone} of {vertices}; what is not moved stays at its node");
             self.invalid(&pointer, message)?;
         }
         let uneven = |b: &&Blend| b.weight != 0.0 && (b.weight - 1.0).abs() > WEIGHT_TOLERANCE;
         let uneven = blends.iter().filter(uneven).count();
         if uneven > 0 {
             let message =
-                format!("the weights of {uneven} of {count} vertices do not sum to 1; they are normalised");
+                format!("the weights of {uneven} of {vertices} do not sum to 1; they are normalised");
             self.invalid(&pointer, message)?;
         }
         transform(primitive, &blends, &node, &used);

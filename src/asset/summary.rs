@@ -7,7 +7,10 @@ use serde_json::Value;
 
 use super::animation::AnimationSummary;
 use super::loader::Loader;
-use crate::scene::{AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, SceneDescription};
+use crate::light::punctual;
+use crate::scene::{
+    AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, PunctualLight, SceneDescription,
+};
 
 /// What is in a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -150,8 +153,20 @@ pub struct LightSummary {
     pub name: String,
     /// `point`, `spot` or `directional`.
     pub kind: &'static str,
-    /// Colour × intensity, candela or lux.
+    /// Colour × intensity, in `unit`.
     pub intensity: [f32; 3],
+    /// `cd`, or `lx` where it is directional.
+    pub unit: &'static str,
+    /// Luminous flux in lumens; `None` where it is directional. The range is not counted.
+    pub power: Option<[f32; 3]>,
+    /// World position, metres; `None` where it is directional.
+    pub position: Option<[f64; 3]>,
+    /// Unit world direction in which it shines; `None` where that is everywhere.
+    pub direction: Option<[f32; 3]>,
+    /// Inner and outer angle of a spot from its axis, radians.
+    pub cone: Option<[f32; 2]>,
+    /// Distance beyond which it has no effect, metres, if the file says so.
+    pub range: Option<f32>,
 }
 
 /// An extension and what becomes of it.
@@ -317,13 +332,25 @@ fn cameras(scene: &SceneDescription) -> Vec<CameraSummary> {
 }
 
 fn lights(scene: &SceneDescription) -> Vec<LightSummary> {
-    let kind = |kind: PunctualKind| match kind {
-        PunctualKind::Point => "point",
-        PunctualKind::Spot { .. } => "spot",
-        PunctualKind::Directional => "directional",
+    let summary = |light: &PunctualLight| {
+        let (kind, cone) = match light.kind {
+            PunctualKind::Point => ("point", None),
+            PunctualKind::Spot { inner, outer } => ("spot", Some([inner, outer])),
+            PunctualKind::Directional => ("directional", None),
+        };
+        let solid_angle = punctual::solid_angle(light.kind);
+        let position = light.position.as_dvec3() + scene.origin;
+        LightSummary {
+            name: light.name.clone(),
+            kind,
+            intensity: light.intensity.to_array(),
+            unit: if solid_angle.is_some() { "cd" } else { "lx" },
+            power: solid_angle.map(|angle| (angle * light.intensity).to_array()),
+            position: solid_angle.is_some().then(|| position.to_array()),
+            direction: (light.kind != PunctualKind::Point).then(|| light.direction.to_array()),
+            cone,
+            range: light.range,
+        }
     };
-    let lights = scene.lights.iter();
-    lights
-        .map(|l| LightSummary { name: l.name.clone(), kind: kind(l.kind), intensity: l.intensity.to_array() })
-        .collect()
+    scene.lights.iter().map(summary).collect()
 }

@@ -188,6 +188,7 @@ impl Loader<'_> {
     /// Where the images are larger than the limits allow.
     pub(crate) fn images_to_decode(&mut self) -> Result<ImageFiles, AssetError> {
         let mut files = Vec::new();
+        let mut together = 0_u64;
         let first = self.decoded_images;
         let last = (first + DECODED_TOGETHER).min(self.image_sources.len());
         for slot in first..last {
@@ -205,6 +206,12 @@ impl Loader<'_> {
             let (needed, limit) = (self.totals.image_bytes, self.options.limits.image_bytes);
             let what = "all images so far, in bytes once decoded,";
             Self::within(needed, limit, &format!("/images/{index}"), what, "image_bytes")?;
+            // Decoders have the pixels in their own form first.
+            together = together.saturating_add(2 * bytes.unwrap_or(0));
+            if !crate::room::is_there(together) {
+                let pointer = format!("/images/{index}");
+                return Err(AssetError::Memory { pointer, what: "decoding images", needed: together });
+            }
             files.push((file, layer));
         }
         self.decoded_images = last;

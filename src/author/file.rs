@@ -25,6 +25,14 @@ impl AuthoredFile {
         Self::new(uri::document(path, limits.file_bytes)?, limits)
     }
 
+    /// Reads a file from a stream, such as standard input.
+    ///
+    /// # Errors
+    /// As [`AuthoredFile::read`].
+    pub fn from_stream(stream: impl std::io::Read, limits: &Limits) -> Result<Self, AssetError> {
+        Self::new(uri::stream(stream, limits.file_bytes)?, limits)
+    }
+
     /// Takes the bytes of a file apart.
     ///
     /// # Errors

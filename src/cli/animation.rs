@@ -4,6 +4,7 @@ use super::Failure;
 use super::message::Reporter;
 use super::names;
 use super::pipeline::{Asset, Moment, Shutter};
+use super::values::without_unit;
 
 /// Which animations play, and when.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -15,7 +16,7 @@ pub(super) struct PlayArgs {
 
     /// Moment of the animations in seconds [default: 0]; before their first keyframe and after their last one they
     /// stand still
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub at: Option<f64>,
 }
 
@@ -82,7 +83,7 @@ impl PlayArgs {
 pub(super) struct ShutterArgs {
     /// Leave the shutter open, so that what moves is blurred: from --at on for so many seconds, or from OPEN to CLOSE
     /// seconds after it
-    #[arg(long, value_name = "SECONDS|OPEN,CLOSE", value_parser = shutter, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS|OPEN,CLOSE", value_parser = shutter)]
     pub shutter: Option<[f64; 2]>,
 
     /// Moments that an open shutter sees, at most one a sample; each is a scene to build
@@ -104,7 +105,7 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
         .filter(|t| t.is_finite())
-        .ok_or_else(|| "a time in seconds is expected".to_owned())
+        .ok_or_else(|| format!("a time in seconds is expected{}", without_unit(text)))
 }
 
 /// When a shutter opens and closes, in seconds after the moment of the picture.
@@ -114,8 +115,8 @@ fn shutter(text: &str) -> Result<[f64; 2], String> {
         Some(&[duration]) if duration >= 0.0 => Ok([0.0, duration]),
         Some(&[open, close]) if open <= close => Ok([open, close]),
         _ => {
-            Err("write how long it is open, such as 0.02, or from when to when, such as -0.01,0.01"
-                .to_owned())
+            let write = "write how long it is open, such as 0.02, or from when to when, such as -0.01,0.01";
+            Err(format!("{write}{}", without_unit(text)))
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::animation::{PlayArgs, ShutterArgs};
 use super::author_args::{ConvertArgs, EditArgs, PresetsArgs, ValidateArgs};
 use super::conformance_args::ConformanceArgs;
+use super::lights::LightArgs;
 use super::pipeline::{Cosines, Microfacet, subsurface_models};
 use super::values::*;
 use crate::film::ToneMap;
@@ -41,7 +42,7 @@ pub(super) enum Command {
 }
 
 /// What every command that reads a glTF file has to know of it.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(super) struct LoadArgs {
     /// The .gltf or .glb file, a folder that holds only one, or - for standard input
     pub input: PathBuf,
@@ -63,7 +64,7 @@ pub(super) struct LoadArgs {
 }
 
 /// What every command that renders has to know of the scene.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(super) struct SceneArgs {
     #[command(flatten)]
     pub load: LoadArgs,
@@ -92,16 +93,19 @@ pub(super) struct SceneArgs {
 
     /// Light from all around: an equirectangular .hdr or .exr, the built-in studio, none, or one radiance; by default
     /// the studio if the file has no lights, else none
-    #[arg(long, value_name = "FILE|studio|none|R,G,B|GREY", value_parser = environment_parser(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "FILE|studio|none|R,G,B|GREY", value_parser = environment_parser())]
     pub env: Option<EnvArg>,
 
     /// Turn the environment about the vertical axis, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, value_parser = number)]
     pub env_rotation: f32,
 
     /// Multiply the radiance of the environment
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = positive)]
     pub env_intensity: f32,
+
+    #[command(flatten)]
+    pub lights: LightArgs,
 
     /// A ground below the scene: one that is seen only by its shadow, a matte one (color is grey; or give its linear
     /// reflectance), or none
@@ -135,7 +139,7 @@ pub(super) struct SceneArgs {
     pub tonemap: ToneMap,
 
     /// Exposure of .png and .jpg in stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = number)]
     pub exposure: f32,
 
     /// Treat what is wrong with the file as an error even where it could be rendered
@@ -199,7 +203,8 @@ pub(super) struct RenderArgs {
     pub stats: Option<PathBuf>,
 }
 
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
+#[command(mut_arg("input", |input| input.help("The .gltf or .glb file, a folder of them, or - for standard input")))]
 #[command(after_help = "Examples:\n  \
     nephrite compare-models jade.glb -o jade-models.png\n  \
     nephrite compare-models jade.glb -o jade.png --models dipole,better-dipole --spp 256\n\n\
@@ -207,12 +212,13 @@ pub(super) struct RenderArgs {
     blue is darker), its time, and its relative mean squared error. The numbers are also written beside the sheet, as \
     .json and .csv: with -o sheet.png, sheet.json and sheet.csv.")]
 pub(super) struct CompareArgs {
-    /// Contact sheet to write, a .png; the same name with .json and .csv gets the numbers
-    #[arg(short, long, value_name = "FILE.png")]
+    /// Contact sheet to write, a .png; the same name with .json and .csv gets the numbers. For a folder of several files a
+    /// folder, which gets a sheet of each
+    #[arg(short, long, value_name = "FILE.png|FOLDER")]
     pub output: PathBuf,
 
-    /// Models to compare, separated by commas [default: all]
-    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface)]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface,
+        help = format!("Models to compare, separated by commas: {} [default: all]", subsurface_models().join(", ")))]
     pub models: Vec<String>,
 
     /// Samples a pixel for each model; rounded up to an even number
@@ -260,8 +266,8 @@ pub(super) struct ProfileArgs {
     #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
     pub unit: LengthUnit,
 
-    /// Models to show beside the random walk, separated by commas [default: all]
-    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface)]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', value_parser = subsurface,
+        help = format!("Models to show beside the random walk, separated by commas: {} [default: all]", subsurface_models().join(", ")))]
     pub models: Vec<String>,
 
     /// Paths of the random walk, and of every model that has no closed form
@@ -285,6 +291,7 @@ pub(super) struct ProfileArgs {
 const MAX_SPP: i64 = 1 << 28;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("input", |input| input.help("The .gltf or .glb file, a folder of them, or - for standard input")))]
 pub(super) struct InspectArgs {
     #[command(flatten)]
     pub load: LoadArgs,

@@ -1,22 +1,24 @@
 //! What can be typed after the authoring commands.
 
+use super::args::LoadArgs;
 use super::author_values::*;
 use super::values::{LengthUnit, length_unit, threads};
 use crate::author::Form;
 use crate::optics::presets::Preset;
 use std::path::PathBuf;
 
-/// Where a changed file goes.
-#[derive(Debug, clap::Args)]
+/// A file, and where it goes when it is changed.
+#[derive(Clone, Debug, clap::Args)]
+#[command(mut_arg("input", |input| input.help("The .gltf or .glb file, a folder of them, or - for standard input")))]
 pub(super) struct TargetArgs {
-    /// The .gltf or .glb file
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub load: LoadArgs,
 
-    /// File to write; a .glb stays a .glb, a .gltf a .gltf
+    /// File to write; a .glb stays a .glb, a .gltf a .gltf. Or a folder that is there, for files of the same names
     #[arg(
         short,
         long,
-        value_name = "FILE",
+        value_name = "FILE|FOLDER",
         required_unless_present = "in_place",
         conflicts_with = "in_place"
     )]
@@ -35,7 +37,7 @@ pub(super) struct TargetArgs {
     pub quiet: bool,
 }
 
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     nephrite edit cow.glb -o jade-cow.glb --material Cow --preset jade\n  \
     nephrite edit milk.gltf --in-place --material 0 --absorption 0.0014,0.0025,0.0142 --scattering 0.7,1.22,1.9 --unit mm\n  \
@@ -60,27 +62,27 @@ pub(super) struct EditArgs {
     pub preset: Option<&'static Preset>,
 
     /// Absorption coefficient, in 1/m unless --unit says otherwise
-    #[arg(long, value_name = "R,G,B", value_parser = channels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B", value_parser = channels)]
     pub absorption: Option<[f64; 3]>,
 
     /// Scattering coefficient (not the reduced one)
-    #[arg(long, value_name = "R,G,B", value_parser = channels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B", value_parser = channels)]
     pub scattering: Option<[f64; 3]>,
 
     /// Mean cosine of the scattering angle
-    #[arg(long, value_name = "G", value_parser = anisotropy, allow_negative_numbers = true)]
+    #[arg(long, value_name = "G", value_parser = anisotropy)]
     pub anisotropy: Option<f64>,
 
     /// Index of refraction
-    #[arg(long, value_name = "N", value_parser = ior, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = ior)]
     pub ior: Option<f64>,
 
     /// Factor on both coefficients
-    #[arg(long, value_name = "X", value_parser = density, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = density)]
     pub density: Option<f64>,
 
     /// Where closed meshes overlap, the medium of the highest priority fills the overlap
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     pub priority: Option<i32>,
 
     /// Texture that multiplies the absorption coefficient
@@ -92,11 +94,11 @@ pub(super) struct EditArgs {
     pub scattering_texture: Option<TextureArg>,
 
     /// The colour to be seen, linear, or #rrggbb as paint programs have it; with the mean free path it stands for both coefficients
-    #[arg(long, value_name = "R,G,B", value_parser = color, allow_hyphen_values = true, conflicts_with_all = ["absorption", "scattering"])]
+    #[arg(long, value_name = "R,G,B", value_parser = color, conflicts_with_all = ["absorption", "scattering"])]
     pub color: Option<[f64; 3]>,
 
     /// Mean free path, in metres unless --unit says otherwise
-    #[arg(long, value_name = "R,G,B", value_parser = lengths, allow_hyphen_values = true, conflicts_with_all = ["absorption", "scattering"])]
+    #[arg(long, value_name = "R,G,B", value_parser = lengths, conflicts_with_all = ["absorption", "scattering"])]
     pub mean_free_path: Option<[f64; 3]>,
 
     /// Take the colours to be seen from the base colour, its texture and vertex colours, as coefficient textures, and make
@@ -122,7 +124,7 @@ pub(super) struct EditArgs {
     pub no_fallback: bool,
 }
 
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     nephrite convert milk.glb -o milk-khr.glb --to khr-scatter\n  \
     nephrite convert draft.gltf -o draft-nephrite.gltf --to nephrite\n\n\
@@ -180,23 +182,19 @@ pub(super) struct PresetsArgs {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("input", |input| input.help("The .gltf or .glb file, a folder of them, or - for standard input")))]
 #[command(
     after_help = "What is checked is what this program knows about: media, their units and meshes, and what will be \
     ignored. Whether a file is valid glTF, the validator of Khronos says (docs/authoring.md).\n\n\
     Ends with 1 if there are errors, else with 0."
 )]
 pub(super) struct ValidateArgs {
-    /// The .gltf or .glb file
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub load: LoadArgs,
 
     /// Scene of the file [default: the file's own choice]
     #[arg(long, value_name = "N")]
     pub scene: Option<usize>,
-
-    /// How far apart the edges of a seam may be, in metres, to be closed where a mesh holds a medium; 0 closes none
-    /// [default: 1e-5 of the largest coordinate of the mesh]
-    #[arg(long, value_name = "LENGTH", value_parser = super::values::positive)]
-    pub weld_tolerance: Option<f32>,
 
     /// Print JSON
     #[arg(long)]

@@ -1,7 +1,7 @@
 //! Values that the authoring commands take.
 
 use super::names;
-use super::values::{LengthUnit, length_unit};
+use super::values::{LengthUnit, length_unit, without_unit};
 use crate::author::Form;
 use crate::optics::presets::Preset;
 
@@ -39,7 +39,11 @@ fn unit_of(part: &str) -> Option<&str> {
 }
 
 /// A colour of a paint program, `#3fa060` or `#3a6`: sRGB, made linear.
-fn hexadecimal(digits: &str) -> Option<[f64; 3]> {
+pub(super) fn hexadecimal(digits: &str) -> Result<[f64; 3], String> {
+    parsed(digits).ok_or_else(|| "a colour after # has 6 hexadecimal digits: #rrggbb".to_owned())
+}
+
+fn parsed(digits: &str) -> Option<[f64; 3]> {
     let value = |range: std::ops::Range<usize>, most: f64| {
         let part = digits.get(range)?;
         let digits = part.bytes().all(|b| b.is_ascii_hexdigit());
@@ -56,8 +60,7 @@ fn hexadecimal(digits: &str) -> Option<[f64; 3]> {
 
 pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
     if let Some(digits) = text.strip_prefix('#') {
-        return hexadecimal(digits)
-            .ok_or_else(|| "a colour after # has 6 hexadecimal digits: #rrggbb".to_owned());
+        return hexadecimal(digits);
     }
     let color = channels(text)?;
     match color.iter().all(|v| *v <= 1.0) {
@@ -76,17 +79,17 @@ pub(super) fn lengths(text: &str) -> Result<[f64; 3], String> {
 
 pub(super) fn anisotropy(text: &str) -> Result<f64, String> {
     let g = text.parse::<f64>().ok().filter(|g| *g > -1.0 && *g < 1.0);
-    g.ok_or_else(|| "a number above -1 and below 1 is expected".to_owned())
+    g.ok_or_else(|| format!("a number above -1 and below 1 is expected{}", without_unit(text)))
 }
 
 pub(super) fn ior(text: &str) -> Result<f64, String> {
     let ior = text.parse::<f64>().ok().filter(|ior| ior.is_finite() && *ior >= 1.0);
-    ior.ok_or_else(|| "a number of at least 1 is expected".to_owned())
+    ior.ok_or_else(|| format!("a number of at least 1 is expected{}", without_unit(text)))
 }
 
 pub(super) fn density(text: &str) -> Result<f64, String> {
     let density = text.parse::<f64>().ok().filter(|d| d.is_finite() && *d >= 0.0);
-    density.ok_or_else(|| "a number of at least 0 is expected".to_owned())
+    density.ok_or_else(|| format!("a number of at least 0 is expected{}", without_unit(text)))
 }
 
 pub(super) fn texture(text: &str) -> Result<TextureArg, String> {

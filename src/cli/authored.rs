@@ -4,12 +4,15 @@
 //! refers to files by relative paths, so its copy in another folder would be broken: it is refused, or the files are copied.
 
 use super::Failure;
+use super::args::LoadArgs;
 use super::author_args::TargetArgs;
 use super::beside::{self, NewFile};
+use super::documents::{Documents, check_folder, is_standard_input, shown};
 use super::job::{cannot_write, check_output};
 use super::message::Reporter;
+use super::pipeline::load_options;
 use crate::asset::painting::Painting;
-use crate::asset::{Asset, AssetError, LoadOptions, Loaded, load_bytes};
+use crate::asset::{Asset, AssetError, LoadOptions, Loaded, load_bytes, load_stream};
 use crate::author::paint::images::{self, NewImages, Place};
 use crate::author::text::Tree;
 use crate::author::{AuthoredFile, file};
@@ -27,19 +30,79 @@ pub(super) struct Authored<'a> {
 
 /// The failure of reading a file.
 pub(super) fn cannot_read(path: &Path, error: &AssetError) -> Failure {
-    let (text, shown) = (error.to_string(), path.display().to_string());
+    let (text, shown) = (error.to_string(), shown(path));
     let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
     Failure::Cannot { message, advice: error.advice() }
+}
+
+/// Reads a file, or standard input, to be looked at as a document.
+pub(super) fn read(args: &LoadArgs, options: &LoadOptions) -> Result<AuthoredFile, Failure> {
+    let path = &args.input;
+    let file = match is_standard_input(path) {
+        true => AuthoredFile::from_stream(std::io::stdin().lock(), &options.limits),
+        false => AuthoredFile::read(path, &options.limits),
+    };
+    file.map_err(|error| cannot_read(path, &error))
+}
+
+/// Loads what has been read. Standard input has no folder in which further files could be.
+pub(super) fn load(args: &LoadArgs, bytes: &[u8], options: &LoadOptions) -> Result<Loaded, AssetError> {
+    match is_standard_input(&args.input) {
+        true => load_stream(bytes, options),
+        false => load_bytes(bytes.to_vec(), &directory_of(&args.input), options),
+    }
+}
+
+/// Changes every file that the arguments mean; `with` gets those of one file.
+pub(super) fn each_target(
+    args: &TargetArgs,
+    mut with: impl FnMut(&TargetArgs, &Reporter) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let input = &args.load.input;
+    let from_stream = is_standard_input(input);
+    if from_stream && args.in_place {
+        return Err(Failure::Usage("standard input cannot be replaced: give -o FILE".to_owned()));
+    }
+    if from_stream && args.copy_resources {
+        let text = "--copy-resources does not go with standard input, which has no folder to copy from";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    if args.output.as_deref().is_some_and(is_standard_input) {
+        return Err(Failure::Usage("to write to standard output, give -o /dev/stdout".to_owned()));
+    }
+    let all = Documents::all(input)?;
+    let folder = args.output.as_ref().filter(|output| output.is_dir());
+    if let Some(output) = args.output.as_ref().filter(|_| all.are_several()) {
+        check_folder(input, output, "; or give --in-place")?;
+    }
+    if let Some(folder) = folder.filter(|_| from_stream) {
+        let text = format!("{} is a folder: give standard input the name of a file", folder.display());
+        return Err(Failure::Usage(text));
+    }
+    all.each(|document| {
+        let mut target = args.clone();
+        target.load.input = document.to_owned();
+        if let (Some(folder), Some(name)) = (folder, document.file_name()) {
+            target.output = Some(folder.join(name));
+        }
+        with(&target, &Reporter::of(args.quiet, all.named(document)))
+    })
+}
+
+impl TargetArgs {
+    /// The file that is written.
+    pub fn written(&self) -> &Path {
+        self.output.as_deref().unwrap_or(&self.load.input)
+    }
 }
 
 impl<'a> Authored<'a> {
     /// Reads the input, and checks whether the output could be written.
     pub fn open(args: &'a TargetArgs, reporter: &Reporter) -> Result<Self, Failure> {
-        let options = LoadOptions::default();
-        let file =
-            AuthoredFile::read(&args.input, &options.limits).map_err(|e| cannot_read(&args.input, &e))?;
-        let output = args.output.as_deref().unwrap_or(&args.input);
-        if !args.in_place && same_file(&args.input, output) {
+        let options = load_options(&args.load, LoadOptions::default());
+        let (input, output) = (&args.load.input, args.written());
+        let file = read(&args.load, &options)?;
+        if !args.in_place && same_file(input, output) {
             return Err(Failure::advise(
                 format!("{} is the input", output.display()),
                 "give --in-place to replace it",
@@ -47,27 +110,31 @@ impl<'a> Authored<'a> {
         }
         check_extension(&file, output)?;
         check_output(output)?;
-        let loaded = load_bytes(file.bytes().to_vec(), &directory_of(&args.input), &options);
+        let loaded = load(&args.load, file.bytes(), &options);
         if let Err(error) = &loaded {
-            reporter.warning(format!("{}: cannot be rendered: {error}", args.input.display()));
+            reporter.warning(format!("{}: cannot be rendered: {error}", shown(input)));
         }
         Ok(Self { args, options, file, loaded })
     }
 
-    fn output(&self) -> &'a Path {
-        self.args.output.as_deref().unwrap_or(&self.args.input)
+    /// Whether a document is the one that is there already, to the byte.
+    pub fn is_unchanged(&self, text: &str) -> bool {
+        self.file.with_document(text).is_ok_and(|bytes| bytes == self.file.bytes())
     }
 
     /// The paint of materials.
     pub fn painting(&self, materials: &[usize]) -> Result<Painting, Failure> {
-        let asset =
-            Asset::from_bytes(self.file.bytes().to_vec(), &directory_of(&self.args.input), &self.options);
-        asset.and_then(|asset| asset.painting(materials)).map_err(|e| cannot_read(&self.args.input, &e))
+        let asset = Asset::from_bytes(
+            self.file.bytes().to_vec(),
+            &directory_of(&self.args.load.input),
+            &self.options,
+        );
+        asset.and_then(|asset| asset.painting(materials)).map_err(|e| cannot_read(&self.args.load.input, &e))
     }
 
     /// Writes the file with another document, and says what the loader thinks of the materials `changed`.
     pub fn write(&self, text: &str, changed: &[usize], reporter: &Reporter) -> Result<(), Failure> {
-        let bytes = self.file.with_document(text).map_err(|e| cannot_read(&self.args.input, &e))?;
+        let bytes = self.file.with_document(text).map_err(|e| cannot_read(&self.args.load.input, &e))?;
         self.check(bytes.clone(), changed, reporter)?;
         self.finish(&bytes, Vec::new())
     }
@@ -83,7 +150,7 @@ impl<'a> Authored<'a> {
         if images.is_empty() {
             return self.write(&tree.to_string(), changed, reporter);
         }
-        let unreadable = |e: AssetError| cannot_read(&self.args.input, &e);
+        let unreadable = |e: AssetError| cannot_read(&self.args.load.input, &e);
         let place = images::place_inside(&self.file);
         if self.file.is_binary() {
             images.attach(&mut tree, place);
@@ -97,7 +164,7 @@ impl<'a> Authored<'a> {
         images.attach(&mut inside, Place::Document);
         let bytes = self.file.with_document(&inside.to_string()).map_err(unreadable)?;
         self.check(bytes, changed, reporter)?;
-        let files = beside::files(self.output(), images)?;
+        let files = beside::files(self.args.written(), images)?;
         let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
         images.attach(&mut tree, Place::Files(&names));
         let bytes = self.file.with_document(&tree.to_string()).map_err(unreadable)?;
@@ -106,7 +173,7 @@ impl<'a> Authored<'a> {
 
     /// Loads what is to be written.
     fn check(&self, bytes: Vec<u8>, changed: &[usize], reporter: &Reporter) -> Result<(), Failure> {
-        match load_bytes(bytes, &directory_of(&self.args.input), &self.options) {
+        match load(&self.args.load, &bytes, &self.options) {
             Ok(mut result) => {
                 let places: Vec<String> = changed.iter().map(|i| format!("/materials/{i}/")).collect();
                 let surfaces: Vec<String> = changed.iter().map(|i| format!("material {i} ")).collect();
@@ -121,7 +188,7 @@ impl<'a> Authored<'a> {
             }
             // What could not be loaded before is not the fault of the change.
             Err(_) if self.loaded.is_err() => Ok(()),
-            Err(error) => Err(cannot_read(self.output(), &error)),
+            Err(error) => Err(cannot_read(self.args.written(), &error)),
         }
     }
 
@@ -137,7 +204,7 @@ impl<'a> Authored<'a> {
             }
             made.push(path);
         }
-        let output = self.output();
+        let output = self.args.written();
         let written = write_atomically(output, |out| out.write_all(bytes));
         if let Err(error) = written {
             remove(&made);
@@ -148,8 +215,9 @@ impl<'a> Authored<'a> {
 
     /// Sees to the files that the document refers to; the files that were copied.
     fn copy_resources(&self) -> Result<Vec<PathBuf>, Failure> {
-        let (from, to) = (directory_of(&self.args.input), directory_of(self.output()));
-        if same_file(&from, &to) {
+        let input = &self.args.load.input;
+        let (from, to) = (directory_of(input), directory_of(self.args.written()));
+        if is_standard_input(input) || same_file(&from, &to) {
             return Ok(Vec::new());
         }
         let is_relative =

@@ -1,5 +1,6 @@
 //! What can be typed after `nephrite conformance`.
 
+use super::pipeline::subsurface_models;
 use super::values::{above_zero, microfacet, subsurface, threads};
 use crate::optics::Microfacet;
 use std::path::PathBuf;
@@ -63,8 +64,8 @@ pub(super) struct ConformanceArgs {
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
 
-    /// How light travels below surfaces, in nephrite
-    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface)]
+    #[arg(long, value_name = "MODEL", default_value = "random-walk", value_parser = subsurface,
+        help = format!("How light travels below surfaces, in nephrite: {}", subsurface_models().join(", ")))]
     pub subsurface: String,
 
     /// Whether light bounces more than once among the facets of rough surfaces, in nephrite: multiple or single

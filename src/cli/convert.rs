@@ -1,35 +1,38 @@
 //! `nephrite convert`: describes the media of a file in another way, and says what the other way cannot say.
 
 use super::Failure;
-use super::author_args::ConvertArgs;
-use super::authored::Authored;
+use super::author_args::{ConvertArgs, TargetArgs};
+use super::authored::{Authored, each_target};
 use super::edit::fallback_thickness;
-use super::message::Reporter;
+use super::message::{Reporter, count};
 use crate::author::{
     Form, Reading, bodies, declare, khronos, medium, nephrite, openpbr, remove_member, text::Node,
 };
 
 /// Converts as the arguments say.
 pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
-    let reporter = Reporter::new(args.target.quiet);
-    let authored = Authored::open(&args.target, &reporter)?;
+    each_target(&args.target, |target, reporter| convert_file(args.to, target, reporter))
+}
+
+fn convert_file(to: Form, target: &TargetArgs, reporter: &Reporter) -> Result<(), Failure> {
+    let authored = Authored::open(target, reporter)?;
     let mut tree = authored.file.tree().map_err(Failure::cannot)?;
     let scene = authored.loaded.as_ref().ok().map(|loaded| &loaded.scene);
     let mut changed = Vec::new();
-    let count = tree.root().get("materials").map_or(0, Node::len);
-    for index in 0..count {
+    let materials = tree.root().get("materials").map_or(0, Node::len);
+    for index in 0..materials {
         let Some(material) = tree.root_mut().get_mut("materials").and_then(|list| list.item_mut(index))
         else {
             continue;
         };
         let Some(reading) = material.value().as_ref().and_then(medium::read) else { continue };
-        if reading.form == args.to {
+        if reading.form == to {
             reporter.note(format!("/materials/{index}: is described that way already"));
             continue;
         }
         let body = scene.and_then(|scene| bodies::with_material(scene, index).next());
         let thickness = fallback_thickness(&reading.medium, body.as_ref());
-        for loss in convert(material, &reading, args.to, thickness) {
+        for loss in convert(material, &reading, to, thickness) {
             reporter.warning(format!("/materials/{index}: {loss}"));
         }
         changed.push(index);
@@ -44,10 +47,9 @@ pub(super) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     if !changed.is_empty() {
         declare(tree.root_mut(), &names);
     }
-    authored.write(&tree.to_string(), &changed, &reporter)?;
-    let output = args.target.output.as_ref().unwrap_or(&args.target.input);
-    let media = if changed.len() == 1 { "1 medium".to_owned() } else { format!("{} media", changed.len()) };
-    reporter.note(format!("wrote {} ({media} converted)", output.display()));
+    authored.write(&tree.to_string(), &changed, reporter)?;
+    let media = count(changed.len() as u64, "medium", "media");
+    reporter.note(format!("wrote {} ({media} converted)", target.written().display()));
     Ok(())
 }
 

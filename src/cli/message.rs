@@ -1,22 +1,31 @@
 //! What is said on standard error: notes, warnings and errors, each once.
 
+use super::Failure;
 use super::pipeline::{Diagnostic, Severity};
 use std::borrow::Cow;
 use std::collections::HashSet;
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::Mutex;
 
 /// Says things once.
 #[derive(Debug, Default)]
 pub(super) struct Reporter {
     quiet: bool,
+    /// The file that everything is about, where there are several.
+    of: Option<String>,
     said: Mutex<HashSet<String>>,
 }
 
 impl Reporter {
     /// A reporter; a quiet one keeps notes to itself.
     pub fn new(quiet: bool) -> Self {
-        Self { quiet, said: Mutex::default() }
+        Self { quiet, ..Self::default() }
+    }
+
+    /// A reporter that names the file that it tells of, if one is given.
+    pub fn of(quiet: bool, file: Option<&Path>) -> Self {
+        Self { quiet, of: file.map(|path| path.display().to_string()), ..Self::default() }
     }
 
     pub fn note(&self, text: impl AsRef<str>) {
@@ -49,8 +58,12 @@ impl Reporter {
             Ok(said) => said,
             Err(poisoned) => poisoned.into_inner(),
         };
+        let text = match &self.of {
+            Some(file) if !text.contains(file) => Cow::Owned(format!("{file}: {text}")),
+            _ => Cow::Borrowed(text),
+        };
         if said.insert(format!("{label}{text}")) {
-            say(label, color, text);
+            say(label, color, &text);
         }
     }
 }
@@ -114,6 +127,17 @@ fn say(label: &str, color: &str, text: &str) {
 pub(super) fn line(text: &str) {
     // As in [`say`].
     let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Writes a text of a command's own to standard output, of which whoever reads it may not want all.
+///
+/// # Errors
+/// Where it cannot be written for another reason.
+pub(super) fn write_out(text: &str) -> Result<(), Failure> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::cannot(error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a line to standard output, if anybody reads that.

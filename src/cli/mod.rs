@@ -21,10 +21,14 @@ mod compare;
 mod conformance;
 mod conformance_args;
 mod convert;
+mod documents;
 mod edit;
+mod elsewhere;
+mod hint;
 mod inspect;
 mod interrupt;
 mod job;
+mod lights;
 mod message;
 mod names;
 mod pipeline;
@@ -68,6 +72,17 @@ impl Failure {
         Self::Cannot { message: message.to_string(), advice: Some(advice.into()) }
     }
 
+    /// The same, of one of several files.
+    fn of(self, file: &std::path::Path) -> Self {
+        let file = file.display().to_string();
+        let named = |text: String| if text.contains(&file) { text } else { format!("{file}: {text}") };
+        match self {
+            Self::Usage(text) => Self::Usage(named(text)),
+            Self::Cannot { message, advice } => Self::Cannot { message: named(message), advice },
+            Self::Interrupted => Self::Interrupted,
+        }
+    }
+
     /// Says it.
     fn tell(&self) {
         self.tell_of(None);
@@ -96,7 +111,7 @@ impl Failure {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    let typed: Vec<std::ffi::OsString> = std::env::args_os().collect();
+    let typed = usage::with_negative_numbers(std::env::args_os().collect());
     let args = match args::Args::try_parse_from(&typed) {
         Ok(args) => args,
         Err(error) => return usage::tell(error, &typed),

@@ -3,9 +3,11 @@
 
 use super::Failure;
 use super::args::{LoadArgs, SceneArgs};
-use super::message::Reporter;
+use super::authored::cannot_read;
+use super::documents::is_standard_input;
+use super::message::{Reporter, count};
 use super::values::EnvArg;
-use crate::asset::{self, AssetError, environment::load_environment};
+use crate::asset::{self, environment::load_environment};
 use crate::light::studio::studio;
 use crate::scene::{
     CameraDescription, EnvironmentDescription, MaterialDescription, SceneDescription, auto_camera,
@@ -34,14 +36,11 @@ pub(super) fn models(cosines: Cosines) -> Registry {
     models
 }
 
-/// The path that stands for standard input.
-const STANDARD_INPUT: &str = "-";
-
 /// Starts the threads that do everything from now on; as many as the machine has, if nothing else is asked for.
 pub(super) fn start_threads(asked: Option<usize>) -> Result<(), Failure> {
     let started = rayon::ThreadPoolBuilder::new().num_threads(asked.unwrap_or(0)).build_global();
     started.map_err(|error| {
-        let number = asked.map_or("threads".to_owned(), |n| format!("{n} threads"));
+        let number = asked.map_or("threads".to_owned(), |n| count(n as u64, "thread", "threads"));
         Failure::advise(
             format!("cannot start {number}: {error}"),
             "ask for fewer with --threads, or let this user have more processes and memory (ulimit)",
@@ -56,33 +55,31 @@ pub(super) fn open(args: &SceneArgs) -> Result<Asset, Failure> {
     open_with(&args.load, asset::LoadOptions { scene, variant, strict, camera, ..Default::default() })
 }
 
-/// Opens a glTF file with options, to which those of the arguments are added.
-pub(super) fn open_with(args: &LoadArgs, mut options: asset::LoadOptions) -> Result<Asset, Failure> {
+/// Options of the loader, to which those of the arguments are added.
+pub(super) fn load_options(args: &LoadArgs, mut options: asset::LoadOptions) -> asset::LoadOptions {
     options.allow_outside = args.allow_outside;
     options.weld_tolerance = args.weld_tolerance;
     for (name, value) in &args.limits {
         options.limits.set(name, *value);
     }
+    options
+}
+
+/// Opens a glTF file with options, to which those of the arguments are added.
+pub(super) fn open_with(args: &LoadArgs, options: asset::LoadOptions) -> Result<Asset, Failure> {
+    let options = load_options(args, options);
     let path = &args.input;
-    let opened = if path.as_os_str() == STANDARD_INPUT {
+    let opened = if is_standard_input(path) {
         Asset::from_stream(std::io::stdin().lock(), &options)
     } else {
         Asset::open(path, &options)
     };
-    opened.map_err(|error| cannot_load(path, &error))
+    opened.map_err(|error| cannot_read(path, &error))
 }
 
 /// Reads the scene of a glTF file at a moment.
 pub(super) fn load(path: &Path, asset: &mut Asset, moment: &Moment) -> Result<Loaded, Failure> {
-    asset.load(moment).map_err(|error| cannot_load(path, &error))
-}
-
-fn cannot_load(path: &Path, error: &AssetError) -> Failure {
-    let text = error.to_string();
-    let from_stream = path.as_os_str() == STANDARD_INPUT;
-    let shown = if from_stream { "standard input".to_owned() } else { path.display().to_string() };
-    let message = if text.contains(&shown) { text } else { format!("{shown}: {text}") };
-    Failure::Cannot { message, advice: error.advice() }
+    asset.load(moment).map_err(|error| cannot_read(path, &error))
 }
 
 /// Compiles a scene.
@@ -123,6 +120,7 @@ pub(super) fn counters(stats: &RenderStats) -> Vec<(&'static str, u64)> {
         ("scattering_events", stats.scattering_events),
         ("truncated_paths", stats.truncated_paths),
         ("leaked_paths", stats.leaked_paths),
+        ("lost_paths", stats.lost_paths),
         ("invalid_samples", stats.invalid_samples),
     ]
 }
@@ -158,9 +156,9 @@ pub(super) fn choose_environment(
             let loaded = load_environment(path).map_err(Failure::cannot)?;
             if loaded.replaced_texels > 0 {
                 reporter.warning(format!(
-                    "{}: {} texels are negative or not finite; channels of +∞ count as 65504, the others as 0",
+                    "{}: {} negative or not finite; channels of +∞ count as 65504, the others as 0",
                     path.display(),
-                    loaded.replaced_texels
+                    count(loaded.replaced_texels as u64, "texel is", "texels are")
                 ));
             }
             if !loaded.is_two_to_one {

@@ -51,7 +51,10 @@ impl Progress {
 
     /// Says how good the picture is that can be looked at.
     pub fn shown(&self, spp: u32) {
-        self.bar.set_message(format!("rendering (written: {spp} samples a pixel)"));
+        self.bar.set_message(format!(
+            "rendering (written: {} a pixel)",
+            message::count(spp.into(), "sample", "samples")
+        ));
     }
 
     /// Names the part of the bar that follows `before` of `total` samples.

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::args::RenderArgs;
+use super::hint::say_how_to_expose;
 use super::interrupt;
 use super::job::{Failures, RenderJob, cannot_write, file_name, write_text};
 use super::message::{Reporter, count};
@@ -51,7 +52,11 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     }
 
     let samples = rendered.film.pixels.len() as f64 * f64::from(rendered.spp);
-    report_counters(&rendered.stats, &prepared.scene, samples, "", &reporter);
+    report_counters(&rendered.stats, samples, "", &reporter);
+    if job.outputs.iter().any(|(_, format)| !format.is_linear()) {
+        let scene = &prepared.scene.description;
+        say_how_to_expose(&rendered.film, scene, prepared.of_blender, args, &reporter);
+    }
     let writing = Instant::now();
     let (mut report, mut failures, mut written) = (WriteReport::default(), Failures::default(), Vec::new());
     for output in &job.outputs {

@@ -45,6 +45,8 @@ pub(super) struct Prepared {
     bounds: Option<[Vec3; 2]>,
     /// What the environment is called in the files written.
     pub environment: String,
+    /// Whether Blender's exporter wrote the file.
+    pub of_blender: bool,
     /// The file, for other moments.
     asset: Asset,
     moment: Moment,
@@ -78,7 +80,10 @@ impl Prepared {
         progress.clear();
         let loaded = loaded?;
         reporter.diagnostics(&loaded.diagnostics);
+        let of_blender = loaded.summary.generator.is_some_and(|generator| generator.contains("Blender"));
         let mut description = loaded.scene;
+        args.lights.adjust(&mut description);
+        args.lights.say_what_they_do(&description, reporter);
         let (environment, is_studio) =
             pipeline::choose_environment(args.env.as_ref(), &description, reporter)?;
         description.environment = environment;
@@ -107,6 +112,7 @@ impl Prepared {
             ground,
             bounds,
             environment,
+            of_blender,
             asset,
             shutter: blur.at(&moment),
             moment,
@@ -137,6 +143,7 @@ impl Prepared {
     fn at(&mut self, time: f64, args: &SceneArgs) -> Result<(Scene, CameraDescription), Failure> {
         let moment = Moment { time, ..self.moment.clone() };
         let mut description = pipeline::load(&args.load.input, &mut self.asset, &moment)?.scene;
+        args.lights.adjust(&mut description);
         let camera = choose_camera(args.camera.as_deref(), &description).ok().flatten().cloned();
         description.environment = self.scene.description.environment.clone();
         if let (GroundArg::Color(reflectance), Some(bounds)) = (args.ground, self.bounds) {
@@ -188,6 +195,10 @@ impl Prepared {
             GroundArg::None => {}
             GroundArg::Shadow => recorded["ground"] = json!("shadow"),
             GroundArg::Color(c) => recorded["ground"] = json!(c.to_array()),
+        }
+        if args.lights.is_asked() {
+            recorded["light_scale"] = json!(args.lights.light_scale);
+            recorded["light_units"] = json!(args.lights.light_units.name());
         }
         if let Some(variant) = &args.variant {
             recorded["variant"] = json!(variant);

@@ -74,15 +74,31 @@ pub(super) fn threads(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn number(text: &str) -> Result<f32, String> {
-    text.parse::<f32>().ok().filter(|x| x.is_finite()).ok_or_else(|| "a number is expected".to_owned())
+    number_of(text, "a number", |_| true)
 }
 
 pub(super) fn positive(text: &str) -> Result<f32, String> {
-    number(text).ok().filter(|&x| x >= 0.0).ok_or_else(|| "a number of at least 0 is expected".to_owned())
+    number_of(text, "a number of at least 0", |x| x >= 0.0)
 }
 
 pub(super) fn above_zero(text: &str) -> Result<f32, String> {
-    number(text).ok().filter(|&x| x > 0.0).ok_or_else(|| "a number above 0 is expected".to_owned())
+    number_of(text, "a number above 0", |x| x > 0.0)
+}
+
+fn number_of(text: &str, what: &str, holds: impl Fn(f32) -> bool) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|&x| x.is_finite() && holds(x));
+    number.ok_or_else(|| format!("{what} is expected{}", without_unit(text)))
+}
+
+/// “, without mm” where a number is followed by something.
+pub(super) fn without_unit(text: &str) -> String {
+    let text = text.trim();
+    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
+    let number = &text[..text.len() - unit.len()];
+    if unit.is_empty() || number.parse::<f64>().is_err() {
+        return String::new();
+    }
+    format!(", without {:?}", unit.trim())
 }
 
 /// A limit of the loader by its name, as in `vertices=200M`.
@@ -121,6 +137,9 @@ pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
         "none" => return Ok(EnvArg::None),
         _ => {}
     }
+    if let Some(digits) = text.strip_prefix('#').filter(|_| !text.contains('.')) {
+        return hexadecimal(digits).map(EnvArg::Constant);
+    }
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     if let Ok(radiance) = parts.iter().map(|part| positive(part)).collect::<Result<Vec<f32>, _>>() {
         return match radiance[..] {
@@ -143,6 +162,11 @@ pub(super) fn environment(text: &str) -> Result<EnvArg, String> {
     }
 }
 
+/// A colour of a paint program, linear.
+fn hexadecimal(digits: &str) -> Result<Vec3, String> {
+    super::author_values::hexadecimal(digits).map(|color| Vec3::from_array(color.map(|c| c as f32)))
+}
+
 /// Reflectance of a ground whose colour was not chosen.
 const GREY: f32 = 0.5;
 
@@ -153,12 +177,17 @@ pub(super) fn ground(text: &str) -> Result<GroundArg, String> {
         "color" => return Ok(GroundArg::Color(Vec3::splat(GREY))),
         _ => {}
     }
+    if let Some(digits) = text.strip_prefix('#') {
+        return hexadecimal(digits).map(GroundArg::Color);
+    }
     let parts: Result<Vec<f32>, _> = text.split(',').map(|part| number(part.trim())).collect();
     match parts.as_deref() {
         Ok(&[r, g, b]) if [r, g, b].iter().all(|c| (0.0..=1.0).contains(c)) => {
             Ok(GroundArg::Color(Vec3::new(r, g, b)))
         }
-        Ok(_) => Err("a colour has three parts from 0 to 1: red,green,blue".to_owned()),
+        Ok(&[grey]) if (0.0..=1.0).contains(&grey) => Ok(GroundArg::Color(Vec3::splat(grey))),
+        Ok(_) => Err("a colour has three parts from 0 to 1, red,green,blue, or is one number, which is grey"
+            .to_owned()),
         Err(_) => Err(format!(
             "{}; besides those, a linear reflectance R,G,B from 0 to 1",
             names::unknown("ground", text, ["none", "shadow", "color"])
@@ -337,6 +366,19 @@ mod tests {
             let error = medium(wrong).unwrap_err();
             assert!(error.contains(advice), "{wrong}: {error}");
         }
+        for (wrong, advice) in [
+            ("10mm", "without \"mm\""),
+            ("90°", "without"),
+            ("-1", "at least 0"),
+            ("mm", "at least 0 is expected"),
+        ] {
+            assert!(positive(wrong).unwrap_err().contains(advice), "{wrong}");
+        }
+        assert!(!positive("mm").unwrap_err().contains("without"));
+        assert_eq!(ground("#ff0000"), Ok(GroundArg::Color(Vec3::X)));
+        assert_eq!(ground("0.25"), Ok(GroundArg::Color(Vec3::splat(0.25))));
+        assert_eq!(environment("#00f"), Ok(EnvArg::Constant(Vec3::Z)));
+        assert!(environment("#12").unwrap_err().contains("#rrggbb"));
         assert!(tone_map("acess").unwrap_err().contains("did you mean aces"));
     }
 }

@@ -8,33 +8,29 @@ const BY_ROUNDING: f64 = 1e-5;
 /// Counts that exceed what is expected by fewer standard deviations come by chance.
 const CHANCE: f64 = 4.0;
 
-/// Says what went wrong in a render of so many samples of a scene; `of` begins the sentences.
-pub(super) fn report_counters(
-    stats: &RenderStats,
-    scene: &Scene,
-    samples: f64,
-    of: &str,
-    reporter: &Reporter,
-) {
+/// Says what went wrong in a render of so many samples; `of` begins the sentences.
+pub(super) fn report_counters(stats: &RenderStats, samples: f64, of: &str, reporter: &Reporter) {
     if stats.truncated_paths > 0 {
         reporter.warning(format!(
             "{of}{} cut off at --max-depth; the picture is darker than it should be",
             count(stats.truncated_paths, "path was", "paths were")
         ));
     }
-    let leaked = stats.leaked_paths;
+    // Each kind is told of only where it is so: there may be open meshes in a scene out of which nothing leaks.
     let by_rounding = BY_ROUNDING * samples;
-    let has_open_media = scene.objects.iter().any(|object| object.has_medium && !object.closed);
-    if has_open_media && leaked as f64 > by_rounding {
+    let leaked = stats.leaked_paths.saturating_sub(stats.lost_paths);
+    if leaked as f64 > by_rounding {
         reporter.warning(format!(
             "{of}{} leaked out of meshes that are not closed (`nephrite inspect` says where)",
             count(leaked, "path", "paths")
         ));
-    } else if leaked as f64 > by_rounding + CHANCE * by_rounding.sqrt() {
+    }
+    let lost = stats.lost_paths;
+    if lost as f64 > by_rounding + CHANCE * by_rounding.sqrt() {
         reporter.warning(format!(
-            "{of}{} lost at boundaries of media, though all of these are closed: where they touch or \
-             cross, it can be unclear what is inside (`nephrite validate` finds such places)",
-            count(leaked, "path was", "paths were")
+            "{of}{} lost at boundaries of media that are closed: where they touch or cross, it can be unclear what is \
+             inside (`nephrite validate` finds such places)",
+            count(lost, "path was", "paths were")
         ));
     }
     if stats.invalid_samples > 0 {

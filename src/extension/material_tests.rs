@@ -42,7 +42,7 @@ fn layers_are_read() {
     let m = first(&all);
     assert_eq!(m.textures().count(), 4);
     let layers = m.layers.as_ref().expect("layers");
-    let coat = layers.clearcoat.as_ref().expect("a coat");
+    let coat = layers.coat.as_ref().expect("a coat");
     assert_eq!((coat.factor, coat.roughness, coat.normal_scale), (0.5, 0.25, 2.0));
     let sheen = layers.sheen.as_ref().expect("a sheen");
     assert_eq!((sheen.color, sheen.roughness), (Vec3::new(1.0, 0.5, 0.0), 0.3));

@@ -11,10 +11,14 @@
 mod animation_pointer;
 mod anisotropy;
 mod clearcoat;
+mod coat;
+mod diffuse_roughness;
 mod diffuse_transmission;
 mod dispersion;
 mod draco;
+mod drafts;
 mod emissive_strength;
+mod fuzz;
 mod gpu_instancing;
 mod ior;
 mod iridescence;
@@ -282,10 +286,14 @@ impl Registry {
             Box::new(animation_pointer::AnimationPointer),
             Box::new(anisotropy::Anisotropy),
             Box::new(clearcoat::Clearcoat),
+            Box::new(coat::Coat),
+            Box::new(diffuse_roughness::DiffuseRoughness(diffuse_roughness::FIRST_NAME)),
+            Box::new(diffuse_roughness::DiffuseRoughness(diffuse_roughness::NAME)),
             Box::new(diffuse_transmission::DiffuseTransmission),
             Box::new(dispersion::Dispersion),
             Box::new(draco::Draco),
             Box::new(emissive_strength::EmissiveStrength),
+            Box::new(fuzz::Fuzz),
             Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
             Box::new(iridescence::Iridescence),
@@ -350,6 +358,8 @@ impl std::fmt::Debug for Registry {
 
 #[cfg(test)]
 mod compressed_tests;
+#[cfg(test)]
+mod draft_tests;
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]

@@ -7,11 +7,13 @@ use crate::asset::{AssetError, Json, Loader};
 use crate::scene::layers::Sheen as Fibres;
 use crate::scene::{ColorSpace, MaterialDescription};
 
+pub(super) const NAME: &str = "KHR_materials_sheen";
+
 pub(super) struct Sheen;
 
 impl Extension for Sheen {
     fn name(&self) -> &str {
-        "KHR_materials_sheen"
+        NAME
     }
 
     fn material(

@@ -9,7 +9,7 @@ use super::ray::{MeshHit, Ray};
 use glam::Vec3;
 
 /// Directions without rational relation to each other or to the axes, normalised where used.
-const DIRECTIONS: [Vec3; 7] = [
+pub(super) const DIRECTIONS: [Vec3; 7] = [
     Vec3::new(0.302_775_6, 0.618_034, 0.725_493_1),
     Vec3::new(-0.741_657_4, 0.236_068, 0.627_871_9),
     Vec3::new(0.414_213_6, -0.732_050_8, -0.540_827_3),
@@ -38,7 +38,7 @@ impl MeshGeometry {
         let mut hits = Vec::new();
         let mut answers = DIRECTIONS.map(|_| 0);
         for (i, direction) in DIRECTIONS.iter().enumerate() {
-            answers[i] = self.winding(p, direction.normalize(), &mut hits, |_| true);
+            answers[i] = self.winding(p, direction.normalize(), &mut hits);
             if i == 2 && answers[0] == answers[1] && answers[1] == answers[2] {
                 return answers[0];
             }
@@ -47,18 +47,12 @@ impl MeshGeometry {
         answers[DIRECTIONS.len() / 2]
     }
 
-    /// Signed crossings of triangles that `counts` along a ray: +1 on leaving through a front, −1 on entering.
-    pub(super) fn winding(
-        &self,
-        p: Vec3,
-        direction: Vec3,
-        hits: &mut Vec<MeshHit>,
-        counts: impl Fn(u32) -> bool,
-    ) -> i32 {
+    /// Signed crossings of triangles along a ray: +1 on leaving through a front, −1 on entering.
+    fn winding(&self, p: Vec3, direction: Vec3, hits: &mut Vec<MeshHit>) -> i32 {
         self.intersect_all(&Ray::new(p, direction), hits);
         let sign =
             |hit: &MeshHit| if self.geometric_normal(hit.triangle).dot(direction) > 0.0 { 1 } else { -1 };
-        hits.iter().filter(|hit| counts(hit.triangle)).map(sign).sum()
+        hits.iter().map(sign).sum()
     }
 }
 

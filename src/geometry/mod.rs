@@ -11,6 +11,7 @@
 //! [`Topology`] says whether a mesh is closed and which triangles face the wrong way; [`DistanceBound`] says how far a
 //! walk inside can go without asking.
 
+mod clustering;
 mod collapse;
 mod containment;
 mod distance;
@@ -21,6 +22,7 @@ mod layout;
 mod lines;
 mod mesh;
 mod nearest;
+mod nesting;
 mod offset;
 mod oriented_sets;
 mod overlap;

@@ -76,6 +76,19 @@ impl BoxTree {
         });
     }
 
+    /// The numbers of the boxes that overlap or touch `bounds` and are `wanted`, in order; `None` if there are more than
+    /// `most`.
+    pub fn at_most(&self, most: usize, bounds: &Aabb, wanted: impl Fn(u32) -> bool) -> Option<Vec<u32>> {
+        let mut found = Vec::new();
+        traverse_overlapping(&self.bvh, bounds, |leaf| {
+            let numbers = leaf.block.into_iter().filter(|&i| i != NONE);
+            found.extend(numbers.filter(|&i| self.boxes[i as usize].overlaps(bounds) && wanted(i)));
+            found.len() <= most
+        });
+        found.sort_unstable();
+        Some(found).filter(|found| found.len() <= most)
+    }
+
     /// Whether a box overlaps or touches `bounds`.
     pub fn any(&self, bounds: &Aabb) -> bool {
         let mut found = false;
@@ -102,6 +115,12 @@ impl SceneGeometry {
     /// Box of an instance, world metres.
     pub fn instance_bounds(&self, instance: u32) -> Aabb {
         self.transform(instance).bounds(&self.mesh_of(instance).bounds())
+    }
+
+    /// Visits the instances whose boxes overlap or touch a box in world space, as long as `visit` says to go on, in no order that
+    /// means anything.
+    pub fn visit_instances(&self, bounds: &Aabb, mut visit: impl FnMut(u32) -> bool) {
+        traverse_overlapping(&self.bvh, bounds, |leaf| visit(leaf.instance));
     }
 
     /// The box around those triangles of an instance that may overlap or touch a box, both in world space; empty where

@@ -101,8 +101,8 @@ struct Instance {
 /// A leaf of the hierarchy of instances.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Leaf {
-    instance: u32,
+pub(super) struct Leaf {
+    pub(super) instance: u32,
     _unused: [u32; 15],
 }
 
@@ -113,7 +113,7 @@ unsafe impl Lined for Leaf {}
 pub struct SceneGeometry {
     geometries: Vec<MeshGeometry>,
     instances: Vec<Instance>,
-    bvh: WideBvh<Leaf>,
+    pub(super) bvh: WideBvh<Leaf>,
 }
 
 impl SceneGeometry {
@@ -241,8 +241,21 @@ impl SceneGeometry {
 
     /// Closest hit.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |_| true)
+    }
+
+    /// Closest hit of all instances but one.
+    pub fn intersect_others(&self, instance: u32, ray: &Ray) -> Option<Hit> {
+        self.closest(ray, |other| other != instance)
+    }
+
+    #[inline(always)]
+    fn closest(&self, ray: &Ray, counts: impl Fn(u32) -> bool) -> Option<Hit> {
         let mut closest: Option<Hit> = None;
         traverse::<Native, true, _>(&self.bvh, ray, |&Leaf { instance, .. }, t_max| {
+            if !counts(instance) {
+                return t_max;
+            }
             match self.intersect_instance(instance, &Ray { t_max, ..*ray }) {
                 Some(hit) if hit.t < t_max => {
                     let hit = hit.closer(closest);

@@ -11,16 +11,15 @@
 //! Triangles with two equal corners and repetitions of a triangle are ignored. Triangles without area are not: they
 //! may join edges.
 
-use super::containment::vote;
 use super::edges::{
     EdgeUse, distinct_triangles, edge_uses, first_corners, is_balanced, merged_vertices, same_edge,
 };
 use super::mesh::MeshGeometry;
+use super::nesting::Solids;
 use super::oriented_sets::OrientedSets;
-use super::ray::{Aabb, MeshHit};
+use super::ray::Aabb;
 use super::wedges::{Side, wedges};
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// The component of a triangle that belongs to none: dropped, with equal corners, or a repetition.
@@ -241,52 +240,33 @@ impl Topology {
                 volume[c as usize] += signed_volume(mesh, t, center) * if minority { -1.0 } else { 1.0 };
             }
         }
-        let holders = self.holders(mesh, &samples, &boxes);
-        for c in 0..count {
-            let depth = |h: &usize| (holders[*h].len(), *h);
-            self.components[c].inside_of = holders[c].iter().copied().max_by_key(depth);
-            let outermost = holders[c].iter().copied().min_by_key(depth).unwrap_or(c);
-            self.components[c].inside_out = self.components[c].closable && volume[outermost] < 0.0;
+        for (samples, component) in samples.iter_mut().zip(&self.components) {
+            if !component.closable {
+                samples.clear();
+            }
+        }
+        let solids = Solids { mesh, component_of: &self.component_of, samples: &samples, boxes: &boxes };
+        let parents = solids.parents();
+        let outermost = roots(&parents);
+        for (c, component) in self.components.iter_mut().enumerate() {
+            component.inside_of = parents[c];
+            component.inside_out = component.closable && volume[outermost[c]] < 0.0;
         }
         for (flip, &c) in self.flips.iter_mut().zip(&self.component_of) {
             *flip ^= c != NO_COMPONENT && self.components[c as usize].inside_out;
         }
     }
+}
 
-    /// For each closable component the closable components that hold all of it, given some triangles of each and the
-    /// boxes around them. A component that only crosses another is a solid by itself.
-    fn holders(&self, mesh: &MeshGeometry, samples: &[Vec<u32>], boxes: &[Aabb]) -> Vec<Vec<usize>> {
-        let count = self.components.len();
-        let closable = |c: usize| self.components[c].closable;
-        if (0..count).filter(|&c| closable(c)).count() < 2 {
-            return vec![Vec::new(); count];
+/// The last one of each chain of parents, which has no cycle.
+fn roots(parents: &[Option<usize>]) -> Vec<usize> {
+    let mut roots: Vec<usize> = parents.iter().enumerate().map(|(c, parent)| parent.unwrap_or(c)).collect();
+    loop {
+        let farther: Vec<usize> = roots.iter().map(|&root| roots[root]).collect();
+        if farther == roots {
+            return roots;
         }
-        let around = |c: usize| -> Vec<usize> {
-            if !closable(c) {
-                return Vec::new();
-            }
-            let point = |sample: &u32| mesh.point(*sample, 1.0 / 3.0, 1.0 / 3.0).0;
-            let Some(p) = samples[c].first().map(point) else { return Vec::new() };
-            let mut hits: Vec<MeshHit> = Vec::new();
-            let mut crossed = Vec::new();
-            // Every component that some direction crosses, then a vote on each.
-            vote(|direction| {
-                mesh.winding(p, direction, &mut hits, |_| true);
-                crossed.extend(hits.iter().map(|h| self.component_of[h.triangle as usize]));
-                false
-            });
-            crossed.sort_unstable();
-            crossed.dedup();
-            crossed.retain(|&k| k != NO_COMPONENT && k as usize != c && closable(k as usize));
-            crossed.retain(|&k| boxes[k as usize].union(boxes[c]) == boxes[k as usize]);
-            let odd = |k: u32, p: Vec3, direction, hits: &mut Vec<MeshHit>| {
-                mesh.intersect_all(&super::Ray::new(p, direction), hits);
-                hits.iter().filter(|h| self.component_of[h.triangle as usize] == k).count() % 2 == 1
-            };
-            let mut holds = |k: u32| samples[c].iter().all(|s| vote(|d| odd(k, point(s), d, &mut hits)));
-            crossed.into_iter().filter(|&k| holds(k)).map(|k| k as usize).collect()
-        };
-        (0..count).into_par_iter().map(around).collect()
+        roots = farther;
     }
 }
 

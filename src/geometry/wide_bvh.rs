@@ -1,10 +1,11 @@
-//! An eight-wide bounding volume hierarchy, collapsed from the binary one that `obvhs` builds.
+//! An eight-wide bounding volume hierarchy, collapsed from a binary one.
 //!
-//! `obvhs` (PLOC clustering, Meister & Bittner 2018, and parallel reinsertion, 2018) decides which primitives belong
-//! together. It sees boxes scaled to the unit cube, so that its areas neither overflow nor vanish; the boxes stored
-//! here are exact unions of the primitives' own. `collapse` makes the binary tree eight-wide, `layout` puts nodes and leaves
+//! `clustering` and the parallel reinsertion of `obvhs` (Meister & Bittner 2018) decide which primitives belong together. They
+//! see boxes scaled to the unit cube, so that areas neither overflow nor vanish; the boxes stored here are exact unions of the
+//! primitives' own. `collapse` makes the binary tree eight-wide, `layout` puts nodes and leaves
 //! into memory.
 
+use super::clustering::cluster;
 use super::collapse::Plans;
 use super::huge_pages::with_huge_pages;
 use super::lanes::WIDTH;
@@ -13,7 +14,6 @@ use super::lines::{Line, Lined};
 use super::ray::Aabb;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
@@ -21,13 +21,6 @@ use std::marker::PhantomData;
 pub(super) const LEAF: u32 = 1 << 31;
 /// The primitive of an unused lane of a block.
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Equal boxes that need not be told apart.
-const MOST_EQUAL: usize = 16;
-/// How far they are moved at most, relative to their coordinates: enough to differ, too little to look nearer to others.
-const JITTER: f32 = 1.0 / 65_536.0;
-/// Coordinates that count as at least this large, so that areas of what lies apart by the jitter do not vanish.
-const LEAST_SIZE: f32 = 1e-10;
 
 /// Part of the binary nodes that are tried elsewhere in the tree.
 const REINSERTED: f32 = 0.02;
@@ -105,48 +98,10 @@ fn build_binary(boxes: &[Aabb], bounds: &Aabb) -> Bvh2 {
     let center = bounds.center();
     let scale = 1.0 / bounds.extent().max_element().max(f32::MIN_POSITIVE);
     let unit = |p: Vec3| Vec3A::from((p - center) * scale);
-    let scaled = |b: &Aabb| ScaledBox(obvhs::aabb::Aabb::new(unit(b.min), unit(b.max)));
+    let scaled = |b: &Aabb| obvhs::aabb::Aabb::new(unit(b.min), unit(b.max));
     let mut primitives = with_huge_pages(boxes.len());
     boxes.par_iter().map(scaled).collect_into_vec(&mut primitives);
-    tell_apart(&mut primitives);
-    let indices = (0..boxes.len() as u32).collect();
-    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        &primitives,
-        indices,
-        SortPrecision::U64,
-        2,
-    );
+    let mut tree = cluster(&primitives);
     ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     tree
-}
-
-/// Moves boxes that are in one place apart, by some roundings.
-///
-/// Clusters are merged where each is the other's nearest. Of boxes that are all equal every one would take the first for its
-/// nearest, so that each round merges one pair, and time is quadratic.
-fn tell_apart(boxes: &mut [ScaledBox]) {
-    let bits = |b: &ScaledBox| [b.0.min, b.0.max].map(|p| p.to_array().map(f32::to_bits));
-    let mut order: Vec<([[u32; 3]; 2], u32)> =
-        boxes.par_iter().map(bits).zip(0..boxes.len() as u32).collect();
-    order.par_sort_unstable();
-    for equal in order.chunk_by(|a, b| a.0 == b.0).filter(|equal| equal.len() > MOST_EQUAL) {
-        for &(_, i) in equal {
-            let b = &mut boxes[i as usize].0;
-            let hash = u64::from(i).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            let part = |bits: u64| ((hash >> bits) & 0xffff) as f32 / 65_536.0;
-            let size = b.min.abs().max(b.max.abs()).max_element().max(LEAST_SIZE);
-            let by = Vec3A::new(part(16), part(32), part(48)) * (JITTER * size);
-            (b.min, b.max) = (b.min + by, b.max + by);
-        }
-    }
-}
-
-/// A box that `obvhs` accepts as a primitive.
-struct ScaledBox(obvhs::aabb::Aabb);
-
-impl obvhs::Boundable for ScaledBox {
-    fn aabb(&self) -> obvhs::aabb::Aabb {
-        self.0
-    }
 }

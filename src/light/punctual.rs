@@ -2,6 +2,8 @@
 //!
 //! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone`, or lux.
 
+use std::f32::consts::TAU;
+
 use glam::Vec3;
 
 use crate::scene::{PunctualKind, PunctualLight};
@@ -58,6 +60,20 @@ pub fn direction_to(light: &PunctualLight, point: Vec3) -> Option<Vec3> {
     direction.is_finite().then_some(direction)
 }
 
+/// What the luminous intensity on the axis of a light is multiplied by to give its luminous flux, steradians: 4π for a point,
+/// for a cone the integral of its ramp, 2π (vᵢ + (vₒ − vᵢ)/3) with v = 1 − cos θ of the inner and the outer angle. `None` for
+/// parallel light, which has no end. The range is not counted: it takes light away with the distance.
+pub fn solid_angle(kind: PunctualKind) -> Option<f32> {
+    match kind {
+        PunctualKind::Point => Some(2.0 * TAU),
+        PunctualKind::Spot { inner, outer } => {
+            let versine = |angle: f32| 2.0 * (0.5 * angle).sin().powi(2);
+            Some(TAU * (versine(inner) + (versine(outer) - versine(inner)) / 3.0))
+        }
+        PunctualKind::Directional => None,
+    }
+}
+
 /// What `light` sends to `point`, or `None` where that is nothing (out of range or cone, or at the light itself).
 #[inline]
 pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradiance> {
@@ -100,6 +116,27 @@ mod tests {
             range,
             kind,
         }
+    }
+
+    /// Against a sum over the sphere in double precision.
+    #[test]
+    fn the_flux_of_a_cone_is_the_sum_of_its_directions() {
+        for (inner, outer) in [(0.0f32, 0.5f32), (0.3, 0.31), (0.2, 1.5), (0.0, std::f32::consts::FRAC_PI_2)]
+        {
+            const STEPS: u32 = 100_000;
+            let width = 2.0 / f64::from(STEPS);
+            let sum: f64 = (0..STEPS)
+                .map(|i| {
+                    let versine = (f64::from(i) + 0.5) * width;
+                    f64::from(spot_attenuation((2.0 * versine) as f32, inner, outer)) * width
+                })
+                .sum();
+            let found = f64::from(solid_angle(PunctualKind::Spot { inner, outer }).unwrap());
+            let expected = std::f64::consts::TAU * sum;
+            assert!((found / expected - 1.0).abs() < 1e-3, "{inner} {outer}: {found} {expected}");
+        }
+        assert_eq!(solid_angle(PunctualKind::Point), Some(4.0 * std::f32::consts::PI));
+        assert_eq!(solid_angle(PunctualKind::Directional), None);
     }
 
     #[test]

@@ -106,6 +106,16 @@ impl Base {
         }
     }
 
+    /// How rough it is to a coat on it: 0 as a mirror, 1 as a diffuse surface.
+    pub(super) fn seen_roughness(&self) -> f32 {
+        match self {
+            Self::Surface(s, _) => s.seen_roughness(),
+            Self::Substrate(s) => s.seen_roughness(),
+            Self::Boundary(b, _) => b.alpha().sqrt(),
+            Self::Treated(t, _) => t.facets().mean_width(1.0).sqrt(),
+        }
+    }
+
     /// A direction turned to the facets: x along the tangent.
     pub(super) fn turned(&self, w: Vec3) -> Vec3 {
         match self {

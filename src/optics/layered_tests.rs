@@ -1,4 +1,3 @@
-use super::super::DielectricBoundary;
 use super::super::anisotropic::Facets;
 use super::super::boundary::Microfacet;
 use super::super::metallic_roughness::SurfaceParameters;
@@ -6,6 +5,7 @@ use super::super::substrate::{Substrate, SubstrateParameters};
 use super::super::test_support::{Rng, chi_square, direction, hemisphere};
 use super::super::thin_film::ThinFilm;
 use super::super::treated::TreatedBoundary;
+use super::super::{CoatParameters, DielectricBoundary, Fuzz};
 use super::*;
 
 fn plain(metallic: f32, alpha: f32, transmission: f32) -> SurfaceParameters {
@@ -24,6 +24,7 @@ fn substrate(plain: SurfaceParameters) -> SubstrateParameters {
         diffuse_transmission: (0.0, Vec3::ONE),
         scatter: (0.0, Vec3::ONE, 1.0),
         eta: 1.0,
+        diffuse_roughness: 0.0,
     }
 }
 
@@ -91,9 +92,96 @@ fn energy(l: &Layered, wo: Vec3, eta: f32) -> f32 {
 
 /// Light that a smooth coat reflects into one direction is counted apart.
 fn mirrored(l: &Layered, wo: Vec3) -> f32 {
-    match &l.coat {
-        Some(coat) if coat.is_smooth() => l.albedos(wo).0,
+    match &l.stack.coat {
+        Some(coat) if coat.is_smooth() => l.held(wo).coat,
         _ => 0.0,
+    }
+}
+
+/// Materials whose layers take light away.
+fn tinted() -> Vec<(String, Layered, f32)> {
+    let color = Vec3::new(0.9, 0.4, 0.1);
+    let coat = |alpha: Vec2, weight| {
+        Some(Coat::with(&CoatParameters { weight, alpha, ior: 1.6, color, darkening: 0.8 }))
+    };
+    let fuzz = Some(Fuzz::new(0.8, color, 0.4));
+    let base = |metallic, t| {
+        let base_color = Vec3::new(0.8, 0.5, 0.3);
+        surface(SurfaceParameters { base_color, ..plain(metallic, 0.3, t) })
+    };
+    let mut rough = substrate(plain(0.0, 0.3, 0.0));
+    rough.plain.base_color = Vec3::new(0.8, 0.5, 0.3);
+    rough.diffuse_roughness = 0.9;
+    rough.diffuse_transmission = (0.4, color);
+    let rough = Base::Substrate(Substrate::new(&rough));
+    let none = Stack::default();
+    let all = [
+        ("coat on plastic", Stack { coat: coat(Vec2::splat(0.3), 1.0), ..none }, base(0.0, 0.0), 1.0f32),
+        ("coat on metal", Stack { coat: coat(Vec2::new(0.6, 0.2), 0.6), ..none }, base(1.0, 0.0), 1.0),
+        ("coat on a wall", Stack { coat: coat(Vec2::splat(0.1), 1.0), ..none }, base(0.3, 0.6), 1.0),
+        ("coat on glass", Stack { coat: coat(Vec2::splat(0.3), 1.0), ..none }, boundary(1.5, 0.4), 1.5),
+        ("fuzz on plastic", Stack { fuzz, ..none }, base(0.0, 0.0), 1.0),
+        ("fuzz on glass", Stack { fuzz, ..none }, boundary(1.5, 0.4), 1.5),
+        ("fuzz on a coat", Stack { fuzz, coat: coat(Vec2::splat(0.2), 1.0), sheen: None }, rough, 1.0),
+        ("plaster leaf", none, rough, 1.0),
+    ];
+    all.into_iter()
+        .map(|(name, stack, base, eta)| {
+            let mut l = Layered::stacked(stack, base, None)
+                .with_coat_normal(Vec3::new(0.2, 0.1, 1.0).normalize())
+                .with_coat_tangent(Vec3::new(0.5, 1.0, 0.0).normalize())
+                .with_fuzz_normal(Vec3::new(0.1, 0.05, 1.0).normalize());
+            l.place(&Mat3::IDENTITY);
+            (name.to_owned(), l, eta)
+        })
+        .collect()
+}
+
+/// With normals and tangents of their own, and what they absorb.
+#[test]
+fn tinted_layers_take_light_away_and_are_sampled_by_their_density() {
+    let mut rng = Rng::new(31);
+    for (what, l, eta) in tinted() {
+        for cos in [-0.6f32, 0.5, 0.95] {
+            let wo = direction(cos, 2.0);
+            let e = energy(&l, wo, eta);
+            assert!(e < 1.0, "{what}, cos {cos}: {e}");
+            for _ in 0..60 {
+                let Some(s) = l.sample(wo, rng.next(), rng.vec2()).filter(|s| !s.delta) else { continue };
+                let (f, pdf) = l.eval_pdf(wo, s.wi);
+                assert!((pdf / s.pdf - 1.0).abs() < 1e-3, "{what}: {pdf} {}", s.pdf);
+                assert!((f / pdf - s.weight).abs().max_element() < 1e-3 * s.weight.max_element() + 1e-6);
+            }
+        }
+        let wo = direction(0.7, 2.0);
+        let z = chi_square(6, 30_000, |wi| l.eval_pdf(wo, wi).1, |rng| l.sample(wo, rng.next(), rng.vec2()));
+        assert!(z < 4.0, "{what}: z = {z}");
+    }
+}
+
+/// The same without normals of their own: f is symmetric.
+#[test]
+fn tinted_layers_are_reciprocal() {
+    let mut rng = Rng::new(32);
+    for (what, mut l, eta) in tinted() {
+        if let Some(coat) = &mut l.stack.coat {
+            coat.set_frame(Mat3::from_rotation_z(0.4));
+        }
+        if let Some(fuzz) = &mut l.stack.fuzz {
+            fuzz.set_frame(Mat3::IDENTITY);
+        }
+        for _ in 0..80 {
+            let a = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
+            let b = direction(2.0 * rng.next() - 1.0, 6.0 * rng.next());
+            if a.z.abs().min(b.z.abs()) < 0.02 {
+                continue;
+            }
+            let n = |w: Vec3| if w.z > 0.0 { 1.0 } else { eta * eta };
+            let there = l.eval_pdf(a, b).0 / (b.z.abs() * n(a));
+            let back = l.eval_pdf(b, a).0 / (a.z.abs() * n(b));
+            let error = 3e-3 * there.max(back) + Vec3::splat(1e-5);
+            assert!((there - back).abs().cmple(error).all(), "{what} {a} {b}: {there} {back}");
+        }
     }
 }
 

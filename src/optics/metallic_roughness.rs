@@ -318,6 +318,11 @@ impl Surface {
         }
     }
 
+    /// How rough it is to a coat on it: 1 where it is diffuse, the perceptual roughness where it is a metal.
+    pub(super) fn seen_roughness(&self) -> f32 {
+        1.0 - self.metallic * (1.0 - self.alpha.sqrt())
+    }
+
     /// Chooses among the lobes by their albedos.
     fn choice(&self, o: Vec3, at_o: Directional) -> Choice {
         let mean = |c: Vec3| (c.x + c.y + c.z) * (1.0 / 3.0);

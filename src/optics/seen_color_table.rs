@@ -1,8 +1,8 @@
 //! The inversion of [`seen_color`](super::seen_color) for pictures: millions of colours behind one boundary.
 //!
 //! The seen colour C is a smooth, falling function of van de Hulst's s from 1 at s = 0 to 0 at s = 1. It is computed at
-//! equal steps of s, and s(C) is interpolated between them by cubics that keep it monotone (Fritsch & Carlson 1980), through
-//! both ends. Near white 1 − C is nearly linear in s, and near black C is in 1 − s, so that the share of absorption, s² and
+//! steps of s that are small at both ends, and s(C) is interpolated between them by cubics that keep it monotone (Fritsch &
+//! Carlson 1980), through both ends. Near white 1 − C is nearly linear in s, and near black C is in 1 − s, so that the share of absorption, s² and
 //! more, is accurate where it is small, and so is that of scattering.
 
 use super::diffusion::discrete_ordinates::HalfSpace;
@@ -24,7 +24,8 @@ impl SeenColorTable {
     pub fn new(g: f64, eta: f64) -> Self {
         let half_space = HalfSpace::new(g, eta);
         let of_step = |i: usize| {
-            let s = i as f64 / STEPS as f64;
+            let t = i as f64 / STEPS as f64;
+            let s = t * t * (3.0 - 2.0 * t);
             let color = match i {
                 0 => 1.0,
                 STEPS => 0.0,

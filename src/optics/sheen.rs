@@ -14,6 +14,7 @@
 
 use super::base::Spread;
 use super::top::{self, TopTable, mix};
+use super::warp;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::OnceLock;
@@ -120,9 +121,7 @@ impl Sheen {
 
     /// A direction uniform over the hemisphere, whose density is 1/2π: fibres reflect at grazing angles.
     pub(super) fn sample(u: Vec2) -> Vec3 {
-        let r = ((1.0 - u.x) * (1.0 + u.x)).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u.y).sin_cos();
-        Vec3::new(r * cos, r * sin, u.x)
+        warp::uniform_hemisphere(u)
     }
 }
 

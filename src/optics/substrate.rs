@@ -1,6 +1,6 @@
 //! The opaque or thin surface of glTF in full generality: what [`super::metallic_roughness`] has, with microfacets of two
-//! widths, a thin film, and diffuse light that comes out on the other side. Plain surfaces use the plain code, which is
-//! faster; where both apply they agree.
+//! widths, a thin film, diffuse light that comes out on the other side, and diffuse facets. Plain surfaces use the plain
+//! code, which is faster; where both apply they agree.
 //!
 //! | name | meaning |
 //! | --- | --- |
@@ -12,6 +12,9 @@
 //! Below the dielectric's coat, (1 − E(µ_o))(1 − E(µ_i))/(1 − Ē) couples the Lambertian lobes with it on both sides
 //! (Kelemen & Szirmay-Kalos 2001). A diffuse boundary of a denser medium lets out only 1/η² of what it would let in, and
 //! reflects the rest: radiance of equal étendue is exchanged.
+//!
+//! With `diffuse_roughness` the Lambertian lobes are those of [`super::rough_diffuse`]; for light that goes through, with
+//! the mirror image of ω_i below the surface in the place of ω_i.
 
 use super::anisotropic::Facets;
 use super::base::{self, Spread};
@@ -21,6 +24,7 @@ use super::facet_reflection::{FacetReflection, Shares};
 use super::fresnel::f0_from_eta;
 use super::metallic_roughness::SurfaceParameters;
 use super::reflectance::{NODES, Reflectance};
+use super::rough_diffuse::RoughDiffuse;
 use super::thin_film::ThinFilm;
 use super::{BsdfSample, top, warp};
 use glam::{Vec2, Vec3};
@@ -41,6 +45,8 @@ pub struct SubstrateParameters {
     pub scatter: (f32, Vec3, f32),
     /// Index of the medium below over that above, where diffuse light enters one; 1 for a thin wall.
     pub eta: f32,
+    /// Roughness of the diffuse facets, \[0, 1\]; 0 is Lambert's law.
+    pub diffuse_roughness: f32,
 }
 
 /// What a [`Substrate`] is made of.
@@ -69,6 +75,15 @@ pub struct Substrate {
     coat_again: Vec3,
     /// 1 − Ē of the coat.
     entering: f32,
+    rough: Option<Rough>,
+}
+
+/// Diffuse facets, and the colours of what they reflect and let through after several events.
+#[derive(Clone, Copy, Debug)]
+struct Rough {
+    lobes: RoughDiffuse,
+    diffuse: Vec3,
+    through: Vec3,
 }
 
 /// Probabilities of the lobes.
@@ -94,18 +109,33 @@ impl Substrate {
         let (d, d_color) = p.diffuse_transmission;
         let (s, s_color, forward) = p.scatter;
         let t = p.plain.transmission;
-        let scattered = s_color * (t * s);
-        Self::of(Ingredients {
+        let shares = |base: Vec3, d_color: Vec3, s_color: Vec3| {
+            let scattered = s_color * (t * s);
+            let diffuse = base * ((1.0 - t) * (1.0 - d)) + scattered * (1.0 - forward);
+            (diffuse, d_color * ((1.0 - t) * d) + scattered * forward)
+        };
+        let (diffuse, through) = shares(base, d_color, s_color);
+        let mut surface = Self::of(Ingredients {
             metallic: p.plain.metallic,
             metal: Reflectance::schlick(base, 1.0).with_film(share, film(base)),
             dielectric: Reflectance::schlick(f0, p.plain.specular).with_film(share, film(f0)),
             facets: p.facets,
-            diffuse: base * ((1.0 - t) * (1.0 - d)) + scattered * (1.0 - forward),
-            through: d_color * ((1.0 - t) * d) + scattered * forward,
+            diffuse,
+            through,
             straight: base * (t * (1.0 - s)),
             eta: p.eta,
             microfacet: p.plain.microfacet,
-        })
+        });
+        if p.diffuse_roughness > 0.0 {
+            let lobes = if surface.multiple() {
+                RoughDiffuse::new(p.diffuse_roughness, surface.entering, |mu| surface.mean_coat(mu))
+            } else {
+                RoughDiffuse::new(p.diffuse_roughness, 1.0, |_| 0.0)
+            };
+            let (diffuse, through) = shares(lobes.again(base), lobes.again(d_color), lobes.again(s_color));
+            surface.rough = Some(Rough { lobes, diffuse, through });
+        }
+        surface
     }
 
     fn of(i: Ingredients) -> Self {
@@ -119,7 +149,7 @@ impl Substrate {
             (zero, zero)
         };
         let lost_average = average.lost;
-        let mut s = Self { i, reflection, lost_average, metal_again, coat_again, entering: 1.0 };
+        let mut s = Self { i, reflection, lost_average, metal_again, coat_again, entering: 1.0, rough: None };
         let coat =
             if film { s.average_coat() } else { s.coat_albedo(&Shares { plain: average, hats: None }) };
         s.entering = (1.0 - coat).max(1e-6);
@@ -128,14 +158,16 @@ impl Substrate {
 
     /// Ē of the coat, whose strongest channel depends on the direction.
     fn average_coat(&self) -> f32 {
+        NODES.iter().map(|&(mu, weight)| 2.0 * mu * weight * self.mean_coat(mu)).sum()
+    }
+
+    /// E of the coat at a cosine, averaged over azimuths.
+    fn mean_coat(&self, mu: f32) -> f32 {
         // Facets of one width look the same from all sides.
         let azimuths: &[f32] =
             if self.i.facets.alpha.x == self.i.facets.alpha.y { &[0.0] } else { &top::QUARTER };
-        let mean = |mu: f32| {
-            let at = |&phi: &f32| self.coat_albedo(&self.reflection.towards(top::towards(mu, phi)));
-            azimuths.iter().map(at).sum::<f32>() / azimuths.len() as f32
-        };
-        NODES.iter().map(|&(mu, weight)| 2.0 * mu * weight * mean(mu)).sum()
+        let at = |&phi: &f32| self.coat_albedo(&self.reflection.towards(top::towards(mu, phi)));
+        azimuths.iter().map(at).sum::<f32>() / azimuths.len() as f32
     }
 
     pub(super) fn set_tangent(&mut self, tangent: Vec2) {
@@ -180,13 +212,22 @@ impl Substrate {
         color.min(Vec3::ONE)
     }
 
+    /// How rough it is to a coat on it: 1 where it is diffuse, the perceptual roughness where it is a metal.
+    pub(super) fn seen_roughness(&self) -> f32 {
+        1.0 - self.i.metallic * (1.0 - self.i.facets.mean_width(1.0).sqrt())
+    }
+
     fn coat_albedo(&self, s: &Shares) -> f32 {
         (self.i.dielectric.albedo(s) + self.coat_again * s.plain.lost).max_element().min(1.0)
     }
 
     /// Colour of the Lambertian lobes on the side of `wo` and beyond it.
     fn lambertian(&self, outside: bool) -> (Vec3, Vec3) {
-        let Ingredients { diffuse, through, eta, .. } = self.i;
+        self.divided(self.i.diffuse, self.i.through, outside)
+    }
+
+    fn divided(&self, diffuse: Vec3, through: Vec3, outside: bool) -> (Vec3, Vec3) {
+        let eta = self.i.eta;
         // Energy that is exchanged in equilibrium is limited by the rarer side.
         let ratio = if outside { eta.min(1.0).powi(2) } else { (1.0 / eta).min(1.0).powi(2) };
         (diffuse + through * (1.0 - ratio), through * ratio)
@@ -245,12 +286,25 @@ impl Substrate {
         } else {
             1.0 - self.i.dielectric.at(o.dot((o + i).normalize_or(Vec3::Z))).max_element()
         };
-        let (here, there) = self.lambertian(wo.z > 0.0);
-        let (mut f, mut pdf) = if below {
-            let scale = if wo.z > 0.0 { self.i.eta.powi(-2) } else { self.i.eta.powi(2) };
-            (there * (scale * lambert * coupled), choice.through * i.z * FRAC_1_PI)
-        } else {
-            (here * (lambert * coupled), choice.diffuse * i.z * FRAC_1_PI)
+        let outside = wo.z > 0.0;
+        let (here, there) = self.lambertian(outside);
+        let scale = if outside { self.i.eta.powi(-2) } else { self.i.eta.powi(2) };
+        let ((color, scale), share) =
+            if below { ((there, scale), choice.through) } else { ((here, 1.0), choice.diffuse) };
+        let (mut f, mut pdf) = match &self.rough {
+            None => (color * (scale * lambert * coupled), share * i.z * FRAC_1_PI),
+            Some(rough) => {
+                let (shares, coupled) = if self.multiple() {
+                    ([entering(at_o), entering(at_i)], 1.0)
+                } else {
+                    ([1.0, 1.0], coupled)
+                };
+                let [once, more] = rough.lobes.eval(o, i, shares[0], shares[1]);
+                let (here, there) = self.divided(rough.diffuse, rough.through, outside);
+                let again = if below { there } else { here };
+                let f = (color * once + again * more) * (scale * coupled * dielectric);
+                (f, share * rough.lobes.pdf(o, i))
+            }
         };
         let chosen = if below { choice.straight } else { choice.reflect };
         if self.is_smooth() || chosen <= 0.0 {
@@ -290,7 +344,9 @@ impl Substrate {
         let (lobe, rest) = warp::choose(&lobes, u_lobe);
         let below = lobe == 1 || lobe == 3;
         let o = self.i.facets.turned(above(wo));
-        let i = if lobe >= 2 || (!self.is_smooth() && rest < choice.again) {
+        let i = if let (2.., Some(rough)) = (lobe, &self.rough) {
+            self.i.facets.back(rough.lobes.sample(o, rest, u))
+        } else if lobe >= 2 || (!self.is_smooth() && rest < choice.again) {
             warp::cosine_hemisphere(u)
         } else if self.is_smooth() {
             return Some(self.sample_delta(wo, below, lobes[lobe]));

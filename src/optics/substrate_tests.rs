@@ -11,6 +11,7 @@ fn parameters(plain: SurfaceParameters) -> SubstrateParameters {
         diffuse_transmission: (0.0, Vec3::ONE),
         scatter: (0.0, Vec3::ONE, 1.0),
         eta: 1.0,
+        diffuse_roughness: 0.0,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Small maps of uniform numbers that the lobes share.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// Largest `f32` below 1.
@@ -18,6 +18,24 @@ pub(super) fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let r = u.x.sqrt();
     let (sin, cos) = (TAU * u.y).sin_cos();
     Vec3::new(r * cos, r * sin, (1.0 - u.x).max(0.0).sqrt())
+}
+
+/// A direction about +z with density 1/2π.
+#[inline]
+pub(super) fn uniform_hemisphere(u: Vec2) -> Vec3 {
+    let r = ((1.0 - u.x) * (1.0 + u.x)).max(0.0).sqrt();
+    let (sin, cos) = (TAU * u.y).sin_cos();
+    Vec3::new(r * cos, r * sin, u.x)
+}
+
+/// Normals of layers are taken to be at least so far above the horizon of directions.
+const LEAST_COSINE: f32 = 1e-3;
+
+/// A direction in the frame of a layer that has one of its own, above its horizon.
+#[inline]
+pub(super) fn tilted(w: Vec3, to_layer: Option<&Mat3>) -> Vec3 {
+    let w = to_layer.map_or(w, |m| *m * w);
+    if w.z >= LEAST_COSINE { w } else { Vec3::new(w.x, w.y, LEAST_COSINE).normalize() }
 }
 
 /// One more uniform number in \[0, 1) out of three that are already spent: a hash of their bits (the finaliser of

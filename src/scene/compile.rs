@@ -48,6 +48,12 @@ pub enum SceneError {
         /// The field of [`DerivedLimits`](super::DerivedLimits) that can be raised.
         field: &'static str,
     },
+    /// There is no memory for it.
+    #[error("there is no memory for the scene, which takes {:.1} GB while it is built", *needed as f64 / 1e9)]
+    Memory {
+        /// How many bytes it takes.
+        needed: u64,
+    },
 }
 
 impl SceneError {
@@ -55,7 +61,7 @@ impl SceneError {
     pub fn advice(&self) -> Option<String> {
         match self {
             Self::Limit { field, .. } => Some(raise(field)),
-            Self::Geometry(_) | Self::Index { .. } => None,
+            Self::Geometry(_) | Self::Index { .. } | Self::Memory { .. } => None,
         }
     }
 }

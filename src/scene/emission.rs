@@ -1,21 +1,20 @@
 //! Emission that varies over a triangle, for sampling lights: textures, the coverage of alpha, and a clear coat.
 //!
-//! KHR_materials_clearcoat lies on top of the emission and dims it by what it reflects, 1 − c (0.04 + 0.96 (1 − |cos θ|)⁵).
+//! A coat lies on top of the emission and dims it by what it reflects, 1 − c (f0 + (1 − f0)(1 − |cos θ|)⁵), f0 = 0.04 for
+//! KHR_materials_clearcoat; a coloured one colours it as light that passes once. Fuzz, on top of that, holds back its share.
 //! θ is the angle with the triangle's normal, so that whoever finds the light, by sampling it or by chance, finds the same.
 //!
 //! A ray that finds an emitter by chance passes where it is not covered, so light sampling multiplies by the coverage;
 //! [`Scene::emission`] does not.
 
+use super::layers::Layers;
 use super::texture;
 use super::{AlphaMode, MaterialDescription, MeshDescription, Scene, SceneDescription, Surface, TextureRef};
 use crate::light::EmissionField;
-use crate::optics::fresnel;
-use glam::{Vec2, Vec3};
+use crate::optics::{self, fresnel};
+use glam::{Vec2, Vec3, Vec4};
 use std::ops::{Add, Mul};
 use std::sync::Arc;
-
-/// Reflectance of a coat at normal incidence.
-const F0: f32 = 0.04;
 
 /// The emission of a scene's triangles.
 pub(super) struct SceneEmission(pub Arc<SceneDescription>);
@@ -25,13 +24,28 @@ impl SceneEmission {
     pub fn varies(material: &MaterialDescription) -> bool {
         material.emission_texture.is_some()
             || material.alpha_mode != AlphaMode::Opaque
-            || material.layers.as_ref().is_some_and(|l| l.clearcoat.is_some())
+            || material.layers.as_ref().is_some_and(|l| l.coat.is_some() || l.fuzz.is_some())
     }
 }
 
-/// What a coat of that strength lets pass at a cosine.
-fn passed(strength: f32, cos: f32) -> f32 {
-    1.0 - strength.clamp(0.0, 1.0) * (F0 + (1.0 - F0) * fresnel::schlick_weight(cos))
+/// What layers let pass at a cosine; `read` looks a texture up.
+fn passed(layers: &Layers, cos: f32, read: impl Fn(&TextureRef) -> Vec4) -> Vec3 {
+    let texel = |t: &Option<TextureRef>| t.as_ref().map_or(Vec4::ONE, &read);
+    let mut passed = Vec3::ONE;
+    if let Some(coat) = &layers.coat {
+        let f0 = fresnel::f0_from_eta(coat.ior);
+        let reflected = f0 + (1.0 - f0) * fresnel::schlick_weight(cos);
+        let color = coat.color * texel(&coat.color_texture).truncate();
+        let strength = (coat.factor * texel(&coat.texture).x).clamp(0.0, 1.0);
+        let crossed = (1.0 - reflected) * optics::crossing(coat.ior, color, cos);
+        passed += strength * (crossed - Vec3::ONE);
+    }
+    if let Some(fuzz) = &layers.fuzz {
+        let weight = fuzz.factor * texel(&fuzz.texture).x;
+        let roughness = fuzz.roughness * texel(&fuzz.roughness_texture).w;
+        passed *= 1.0 - optics::Fuzz::new(weight, Vec3::ONE, roughness).held(cos);
+    }
+    passed
 }
 
 impl Scene {
@@ -42,9 +56,9 @@ impl Scene {
         if let Some(t) = &material.emission_texture {
             emission *= surface.color_texture(self, t, material.alpha_mode).truncate();
         }
-        if let Some(coat) = material.layers.as_ref().and_then(|l| l.clearcoat.as_ref()) {
-            let strength = coat.factor * coat.texture.as_ref().map_or(1.0, |t| surface.texture(self, t).x);
-            emission *= passed(strength, surface.geometric_normal.dot(direction).abs());
+        if let Some(layers) = &material.layers {
+            let cos = surface.geometric_normal.dot(direction).abs();
+            emission *= passed(layers, cos, |t| surface.texture(self, t));
         }
         emission
     }
@@ -62,9 +76,8 @@ impl EmissionField for SceneEmission {
         if let Some(t) = &material.emission_texture {
             emission *= texture::sample(scene, t, point.uv(t)).truncate();
         }
-        if let Some(coat) = material.layers.as_ref().and_then(|l| l.clearcoat.as_ref()) {
-            let texel = |t: &TextureRef| texture::sample(scene, t, point.uv(t)).x;
-            emission *= passed(coat.factor * coat.texture.as_ref().map_or(1.0, texel), cos);
+        if let Some(layers) = &material.layers {
+            emission *= passed(layers, cos, |t| texture::sample(scene, t, point.uv(t)));
         }
         emission * point.coverage(scene, material)
     }

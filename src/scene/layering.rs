@@ -1,19 +1,20 @@
 //! The scattering function of a material with layers, or with lobes of another shape: textures of
 //! [`super::layers::Layers`] read, and the parts put together.
 
-use super::layers::{Anisotropy, Clearcoat, Iridescence, Layers, Sheen};
+use super::layers::{Anisotropy, Coat as Coating, Fuzz as Fuzzy, Iridescence, Layers, Sheen};
 use super::material::Shading;
 use super::{Scene, Surface, TextureRef};
 use crate::optics::{
-    Base, Coat, DielectricBoundary, Facets, Layered, Microfacet, Mixed, Sheen as Fibres, Substrate,
-    SubstrateParameters, ThinFilm, TreatedBoundary,
+    Base, Coat, CoatParameters, DielectricBoundary, Facets, Fuzz, Layered, Microfacet, Mixed,
+    Sheen as Fibres, Stack, Substrate, SubstrateParameters, ThinFilm, TreatedBoundary,
 };
 use glam::{Vec2, Vec3, Vec4};
 
 /// The parameters of layers at one point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layering {
-    coat: Option<(f32, f32, Vec3)>,
+    coat: Option<PlacedCoat>,
+    fuzz: Option<PlacedFuzz>,
     sheen: Option<(Vec3, f32)>,
     /// Strength, and direction in world space.
     anisotropy: Option<(f32, Vec3)>,
@@ -21,7 +22,37 @@ pub(super) struct Layering {
     film: Option<(f32, f32, f32)>,
     diffuse_transmission: (f32, Vec3),
     scatter: (f32, Vec3, f32),
+    diffuse_roughness: f32,
 }
+
+/// A coat with its normal and the direction along which it is rougher, in world space.
+#[derive(Clone, Copy, Debug)]
+struct PlacedCoat {
+    parameters: CoatParameters,
+    normal: Vec3,
+    tangent: Option<Vec3>,
+}
+
+/// Weight, colour, roughness and normal of fuzz.
+#[derive(Clone, Copy, Debug)]
+struct PlacedFuzz {
+    weight: f32,
+    color: Vec3,
+    roughness: f32,
+    normal: Vec3,
+}
+
+/// Nothing beside the plain surface.
+const NONE: Layering = Layering {
+    coat: None,
+    fuzz: None,
+    sheen: None,
+    anisotropy: None,
+    film: None,
+    diffuse_transmission: (0.0, Vec3::ONE),
+    scatter: (0.0, Vec3::ONE, 1.0),
+    diffuse_roughness: 0.0,
+};
 
 impl Layering {
     /// Reads the textures at a point.
@@ -30,8 +61,12 @@ impl Layering {
         let diffuse = layers.diffuse_transmission.as_ref();
         let thin = layers.thin_scatter.as_ref();
         let unit = |x: f32| x.clamp(0.0, 1.0);
+        let coat = layers.coat.as_ref().map(|c| coat(scene, surface, c));
+        let coat = coat.filter(|c| c.parameters.weight > 0.0);
+        let fuzz = layers.fuzz.as_ref().map(|f| fuzz(scene, surface, f, normal, coat.as_ref()));
         Self {
-            coat: layers.clearcoat.as_ref().map(|c| coat(scene, surface, c)).filter(|c| c.0 > 0.0),
+            coat,
+            fuzz: fuzz.filter(|f| f.weight > 0.0),
             sheen: layers.sheen.as_ref().map(|s: &Sheen| {
                 let color = s.color * texel(&s.color_texture).truncate();
                 (color, unit(s.roughness * texel(&s.roughness_texture).w))
@@ -50,19 +85,51 @@ impl Layering {
                 let color = t.color * texel(&t.color_texture).truncate();
                 (strength, color, 0.5 * (1.0 + t.anisotropy))
             }),
+            diffuse_roughness: layers
+                .diffuse_roughness
+                .as_ref()
+                .map_or(0.0, |d| unit(d.factor * texel(&d.texture).x)),
         }
     }
 }
 
-/// Strength, GGX width and normal of the coat.
-fn coat(scene: &Scene, surface: &Surface, c: &Clearcoat) -> (f32, f32, Vec3) {
+fn coat(scene: &Scene, surface: &Surface, c: &Coating) -> PlacedCoat {
     let read = |t: &Option<TextureRef>| t.as_ref().map_or(Vec4::ONE, |t| surface.texture(scene, t));
     let roughness = c.roughness * read(&c.roughness_texture).y;
     let normal = match &c.normal_texture {
         Some(t) => surface.mapped_normal(scene, t, c.normal_scale),
         None => surface.normal,
     };
-    ((c.factor * read(&c.texture).x).clamp(0.0, 1.0), (roughness * roughness).clamp(0.0, 1.0), normal)
+    let brushed = c.anisotropy.as_ref().and_then(|a| brushed(scene, surface, a, normal));
+    let brushed = brushed.filter(|b| b.0 > 0.0);
+    let parameters = CoatParameters {
+        weight: (c.factor * read(&c.texture).x).clamp(0.0, 1.0),
+        alpha: widths((roughness * roughness).clamp(0.0, 1.0), brushed.map_or(0.0, |b| b.0)),
+        ior: c.ior,
+        color: c.color * read(&c.color_texture).truncate(),
+        darkening: c.darkening,
+    };
+    PlacedCoat { parameters, normal, tangent: brushed.map(|b| b.1) }
+}
+
+/// Fuzz has the normal of what is below, between those of the base and of a coat by the weight of the coat.
+fn fuzz(scene: &Scene, surface: &Surface, f: &Fuzzy, normal: Vec3, coat: Option<&PlacedCoat>) -> PlacedFuzz {
+    let read = |t: &Option<TextureRef>| t.as_ref().map_or(Vec4::ONE, |t| surface.texture(scene, t));
+    PlacedFuzz {
+        weight: (f.factor * read(&f.texture).x).clamp(0.0, 1.0),
+        color: f.color * read(&f.color_texture).truncate(),
+        roughness: (f.roughness * read(&f.roughness_texture).w).clamp(0.0, 1.0),
+        normal: coat.map_or(normal, |c| normal.lerp(c.normal, c.parameters.weight).normalize_or(normal)),
+    }
+}
+
+/// GGX widths along and across the brushing, of the width without it and a strength.
+fn widths(alpha: f32, strength: f32) -> Vec2 {
+    let along = alpha + (1.0 - alpha) * strength * strength;
+    // A mirror that is rough one way only has no finite density.
+    const LEAST_ACROSS: f32 = 1.1e-3;
+    let across = if strength > 0.0 { alpha.max(LEAST_ACROSS) } else { alpha };
+    Vec2::new(along.max(across), across)
 }
 
 /// Strength and world direction of the rougher tangent; `None` where there are no tangents.
@@ -77,37 +144,36 @@ fn brushed(scene: &Scene, surface: &Surface, a: &Anisotropy, normal: Vec3) -> Op
 impl Shading<'_> {
     /// The scattering function with all its layers; as [`Shading::bsdf`]. It is to be placed in its frame.
     pub(super) fn layered(&self, eta: f32, boundary: bool, microfacet: Microfacet) -> Layered {
-        let l = self.layering.unwrap_or(Layering {
-            coat: None,
-            sheen: None,
-            anisotropy: None,
-            film: None,
-            diffuse_transmission: (0.0, Vec3::ONE),
-            scatter: (0.0, Vec3::ONE, 1.0),
-        });
-        let coat = l.coat.map(|(factor, alpha, _)| Coat::new(factor, alpha));
-        let sheen = l.sheen.filter(|s| s.0 != Vec3::ZERO).map(|(color, r)| Fibres::new(color, r));
+        let l = self.layering.unwrap_or(NONE);
+        let stack = Stack {
+            fuzz: l.fuzz.map(|f| Fuzz::new(f.weight, f.color, f.roughness)),
+            coat: l.coat.map(|c| Coat::with(&c.parameters)),
+            sheen: l.sheen.filter(|s| s.0 != Vec3::ZERO).map(|(color, r)| Fibres::new(color, r)),
+        };
         let (base, rest) = if boundary { self.boundary(&l, eta, microfacet) } else { (None, None) };
         let base = base.unwrap_or_else(|| self.opaque(&l, self.metallic, self.transmission, eta, microfacet));
         let rest = rest.map(|(metallic, share)| (self.opaque(&l, metallic, 0.0, eta, microfacet), share));
-        let layered = Layered::new(coat, sheen, base, rest);
-        let layered = match l.anisotropy {
-            Some((strength, tangent)) if strength > 0.0 => layered.with_tangent(tangent),
-            _ => layered,
-        };
-        match l.coat {
-            Some((_, _, normal)) if normal != self.normal => layered.with_coat_normal(normal),
+        let mut layered = Layered::stacked(stack, base, rest);
+        if let Some((_, tangent)) = l.anisotropy.filter(|a| a.0 > 0.0) {
+            layered = layered.with_tangent(tangent);
+        }
+        if let Some(coat) = l.coat {
+            if coat.normal != self.normal {
+                layered = layered.with_coat_normal(coat.normal);
+            }
+            if let Some(tangent) = coat.tangent {
+                layered = layered.with_coat_tangent(tangent);
+            }
+        }
+        match l.fuzz {
+            Some(fuzz) if fuzz.normal != self.normal => layered.with_fuzz_normal(fuzz.normal),
             _ => layered,
         }
     }
 
     fn facets(&self, l: &Layering) -> Facets {
         let strength = l.anisotropy.map_or(0.0, |a| a.0);
-        let along = self.alpha + (1.0 - self.alpha) * strength * strength;
-        // A mirror that is rough one way only has no finite density.
-        const LEAST_ACROSS: f32 = 1.1e-3;
-        let across = if strength > 0.0 { self.alpha.max(LEAST_ACROSS) } else { self.alpha };
-        Facets { alpha: Vec2::new(along.max(across), across), tangent: Vec2::X }
+        Facets { alpha: widths(self.alpha, strength), tangent: Vec2::X }
     }
 
     /// The boundary, if there is one, with the metallic parameter of the opaque rest and the boundary's share.
@@ -141,7 +207,8 @@ impl Shading<'_> {
     ) -> Base {
         let plain = self.parameters(metallic, transmission, microfacet);
         let brushed = l.anisotropy.is_some_and(|a| a.0 > 0.0);
-        if !brushed && l.film.is_none() && l.diffuse_transmission.0 == 0.0 && l.scatter.0 == 0.0 {
+        let diffuse = l.diffuse_transmission.0 > 0.0 || l.scatter.0 > 0.0 || l.diffuse_roughness > 0.0;
+        if !brushed && l.film.is_none() && !diffuse {
             return Base::surface(&plain);
         }
         Base::Substrate(Substrate::new(&SubstrateParameters {
@@ -151,6 +218,7 @@ impl Shading<'_> {
             diffuse_transmission: l.diffuse_transmission,
             scatter: l.scatter,
             eta,
+            diffuse_roughness: l.diffuse_roughness,
         }))
     }
 }

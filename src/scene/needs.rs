@@ -55,7 +55,13 @@ impl SceneDescription {
         ];
         match needs.into_iter().find(|(_, needed, limit, _)| needed > limit) {
             Some((what, needed, limit, field)) => Err(SceneError::Limit { what, needed, limit, field }),
-            None => Ok(()),
+            None => {
+                // A build takes as much again for a while.
+                let needed = [pyramids, environment, hierarchies.saturating_mul(2), lights]
+                    .into_iter()
+                    .fold(0, u64::saturating_add);
+                if crate::room::is_there(needed) { Ok(()) } else { Err(SceneError::Memory { needed }) }
+            }
         }
     }
 

@@ -1,8 +1,9 @@
 //! What transport wants to know of a placed mesh that holds a medium.
 
+use super::intruders::Intruders;
 use super::mesh_facts::MeshFacts;
 use super::{AlphaMode, MediumDescription, PunctualKind, Scene, Surface};
-use crate::geometry::{Aabb, BoxTree, DistanceBound, NO_COMPONENT, ROUNDING, Topology};
+use crate::geometry::{Aabb, BoxTree, DistanceBound, NO_COMPONENT, Topology};
 use crate::light::EmissiveTriangle;
 use glam::{Mat3, Vec3};
 use std::collections::HashMap;
@@ -35,7 +36,7 @@ pub struct Object {
     /// Closed, and provably contains nothing else: no foreign triangle reaches into its bounds.
     pub isolated: bool,
     /// What reaches into its bounds, and may be inside.
-    pub intruders: Arc<[Intruder]>,
+    pub intruders: Intruders,
     /// Whether another medium is among the intruders: then straight lines may lead through its boundary.
     pub overlapped: bool,
     /// Light sources may be inside, so paths in the medium must be connected to them.
@@ -50,15 +51,6 @@ pub struct Object {
     pub walks: u32,
     /// Lower bounds of the distance to the boundary, in the instance's local space; for closed media that scatter.
     pub distance: Option<Arc<DistanceBound>>,
-}
-
-/// An instance that reaches into the bounds of another.
-#[derive(Clone, Copy, Debug)]
-pub struct Intruder {
-    /// The instance.
-    pub instance: u32,
-    /// World box around those of its triangles that reach in.
-    pub bounds: Aabb,
 }
 
 impl Scene {
@@ -94,8 +86,11 @@ impl Scene {
                     t.components.len() > 1 || t.components.iter().any(|c| c.non_manifold_edges > 0)
                 });
             let intruders = self.intruders(instance, &bounds, &all);
-            let overlapped =
-                intruders.iter().any(|i| holds_medium[self.description.instances[i.instance as usize].mesh]);
+            let holds_medium = |i: u32| holds_medium[self.description.instances[i as usize].mesh];
+            let overlapped = match &intruders {
+                Intruders::Few(list) => list.iter().any(|i| holds_medium(i.instance)),
+                Intruders::Many => true,
+            };
             let media = self.facts_of(instance).materials.iter().filter_map(|&m| self.medium(m));
             let scatters = media.into_iter().any(|m| m.sigma_s.max_element() > 0.0);
             let chord = self.mean_chord(instance);
@@ -111,7 +106,7 @@ impl Scene {
                 wound_both_ways: topology.is_some_and(|t| t.components.iter().any(|c| c.repeated)),
                 rank: rank as u32 + 1,
                 isolated: closed && intruders.is_empty(),
-                intruders: intruders.into(),
+                intruders,
                 overlapped,
                 lit_inside: lights.any(&bounds),
                 aimable: false,
@@ -178,25 +173,4 @@ impl Scene {
         let mut materials = self.facts_of(instance).materials.iter().map(|&m| self.material(m));
         materials.all(|m| m.medium.is_none() || m.roughness * m.roughness >= NEARLY_SMOOTH)
     }
-
-    /// The other instances of which a triangle reaches into `bounds`, or touches them up to rounding.
-    fn intruders(&self, instance: u32, bounds: &Aabb, all: &BoxTree) -> Vec<Intruder> {
-        let bounds = &touched(bounds);
-        let mut others = Vec::new();
-        all.visit(bounds, |other| {
-            if other != instance {
-                others.push(other);
-            }
-        });
-        others.sort_unstable();
-        let part = |other| Intruder { instance: other, bounds: self.geometry.part_within(other, bounds) };
-        let parts = others.into_iter().map(part).filter(|i| !i.bounds.is_empty());
-        parts.map(|i| Intruder { bounds: touched(&i.bounds), ..i }).collect()
-    }
-}
-
-/// A box with room for what only touches it, up to rounding.
-fn touched(bounds: &Aabb) -> Aabb {
-    let room = ROUNDING * bounds.min.abs().max(bounds.max.abs()).max_element();
-    Aabb { min: bounds.min - room, max: bounds.max + room }
 }

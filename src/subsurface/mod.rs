@@ -116,7 +116,7 @@ impl Flight<'_> {
     /// Whether the object ends at a point of its mesh: overlapping parts of the mesh, and objects of higher rank, hide the
     /// boundaries that are inside of them.
     pub fn is_interface(&self, surface: &Surface) -> bool {
-        let Object { in_parts, overlapped, ref intruders, rank, .. } = *self.object;
+        let Object { in_parts, overlapped, rank, .. } = *self.object;
         if !(in_parts || overlapped) {
             return true;
         }
@@ -130,8 +130,15 @@ impl Flight<'_> {
             object.has_medium && object.closed && object.rank > rank && holds(other)
         };
         let own = in_parts && holds(surface.instance);
-        let foreign = || overlapped && intruders.iter().any(|i| hides(i.instance));
-        !(own || foreign())
+        let foreign = || {
+            let mut hidden = false;
+            self.scene.visit_intruders(surface.instance, &surface.point(), |other| {
+                hidden = hides(other);
+                !hidden
+            });
+            hidden
+        };
+        !(own || (overlapped && foreign()))
     }
 
     /// The box around the medium in world space; everything where the mesh is open. A walk that is beyond it has been let out

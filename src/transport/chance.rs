@@ -14,9 +14,14 @@ impl PathTracer<'_> {
         let point = LightPoint::Environment(path.head.direction);
         let weight = self.weigh_chance(&path.vertex, Some(point));
         let mut scale = 1.0;
-        if let Some(medium) = path.stack.current().and_then(|e| self.scene.medium(e.material)) {
-            // Only an open mesh lets a path out without crossing the boundary; bring radiance back to vacuum.
-            self.count(|c| c.leaks += 1);
+        let inside = path.stack.current();
+        if let Some((e, medium)) = inside.and_then(|e| Some((e, self.scene.medium(e.material)?))) {
+            // The path came out without crossing the boundary; bring radiance back to vacuum.
+            let closed = self.scene.objects.get(e.instance as usize).is_some_and(|object| object.closed);
+            self.count(|c| {
+                c.leaks += 1;
+                c.lost += u64::from(closed);
+            });
             scale = medium.ior * medium.ior;
         }
         path.head.throughput * radiance * (weight * scale)

@@ -20,7 +20,7 @@ use super::path::PathTracer;
 use super::state::Path;
 use super::surroundings::set_winding;
 use crate::geometry::TOUCHING;
-use crate::scene::Surface;
+use crate::scene::{Intruders, Surface};
 use glam::Vec3;
 
 /// The boundaries of media in one place, crossed in one direction.
@@ -242,13 +242,20 @@ impl PathTracer<'_> {
         let before = self.ior_in(stack);
         let point = exit.point();
         exit.error *= TOUCHING;
-        for intruder in object.intruders.iter() {
-            let other = &self.scene.objects[intruder.instance as usize];
+        let known = *stack;
+        let mut look = |instance: u32| {
+            let other = &self.scene.objects[instance as usize];
             if other.has_medium && other.closed {
-                let outside = self.scene.geometry.beside(&point, point.geometric_normal, intruder.instance);
-                set_winding(self.scene, stack, intruder.instance, outside);
+                let outside = self.scene.geometry.beside(&point, point.geometric_normal, instance);
+                set_winding(self.scene, stack, instance, outside);
             }
+            true
+        };
+        if matches!(object.intruders, Intruders::Many) {
+            // Those that are not near the exit are not visited.
+            known.instances().filter(|&i| i != left.instance).for_each(|i| _ = look(i));
         }
+        self.scene.visit_intruders(left.instance, &point, look);
         (before / self.ior_in(stack)).powi(2)
     }
 }

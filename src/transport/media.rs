@@ -68,6 +68,11 @@ impl MediumStack {
         self.len.into()
     }
 
+    /// The objects around the path.
+    pub fn instances(&self) -> impl Iterator<Item = u32> {
+        self.entries[..self.len as usize].iter().map(|e| e.instance)
+    }
+
     /// How often `instance` winds about the path; 0: it is not around it.
     #[inline]
     pub fn winding(&self, instance: u32) -> i32 {

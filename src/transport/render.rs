@@ -17,7 +17,8 @@ use crate::subsurface::{Propagator, Registry, Stop};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::cell::Cell;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{OnceLock, atomic::AtomicU64, atomic::Ordering};
+use std::time::{Duration, Instant};
 
 /// Samples after which a tile asks whether to stop; long ones ask by themselves.
 const SAMPLES_BETWEEN_QUESTIONS: u32 = 16;
@@ -25,6 +26,8 @@ const SAMPLES_BETWEEN_QUESTIONS: u32 = 16;
 const TILE: u32 = 16;
 /// Most samples a pixel in one pass.
 const LARGEST_PASS: u32 = 16;
+/// How much longer the first pass may go on once somebody asked to stop: without it there is no picture at all.
+const GRACE: Duration = Duration::from_millis(300);
 
 /// What to render.
 #[derive(Clone, Debug)]
@@ -95,7 +98,7 @@ impl RenderOptions {
 pub trait RenderControl: Sync {
     /// Called now and then with the samples done so far and in all.
     fn advance(&self, samples_done: u64, samples_total: u64);
-    /// Whether to stop; what is finished is kept. Asked often, also within walks; once it is so it stays so.
+    /// Whether to stop; what is finished is kept, and the first pass gets 0.3 s more. Asked often; it stays so.
     fn cancelled(&self) -> bool;
     /// Called between passes, while nothing is rendered; `picture` makes the picture so far, whose pixels all have the
     /// same number of samples.
@@ -119,8 +122,10 @@ pub struct RenderStats {
     pub scattering_events: u64,
     /// Paths that ended at the cap on events.
     pub truncated_paths: u64,
-    /// Paths that left a medium without crossing its boundary (open meshes).
+    /// Paths that left a medium without crossing its boundary.
     pub leaked_paths: u64,
+    /// Those of them that were in an object whose mesh is closed.
+    pub lost_paths: u64,
     /// Samples that were not finite and count as black.
     pub invalid_samples: u64,
 }
@@ -131,6 +136,7 @@ impl std::ops::AddAssign for RenderStats {
         self.scattering_events += more.scattering_events;
         self.truncated_paths += more.truncated_paths;
         self.leaked_paths += more.leaked_paths;
+        self.lost_paths += more.lost_paths;
         self.invalid_samples += more.invalid_samples;
     }
 }
@@ -232,7 +238,7 @@ pub fn render_with(
     check_memory(options)?;
     let rendered = on_threads(options.threads, || {
         let propagator = model.prepare(scene);
-        Job { scene, options, control, model: propagator.as_ref() }.run()
+        Job { scene, options, control, model: propagator.as_ref(), asked: OnceLock::new() }.run()
     });
     rendered.map_err(|reason| RenderError::Threads { threads: options.thread_count(), reason })
 }
@@ -242,8 +248,7 @@ fn check_memory(options: &RenderOptions) -> Result<(), RenderError> {
     let &RenderOptions { width, height, .. } = options;
     let pixel = size_of::<DVec3>() + size_of::<Coverage>() + 2 * size_of::<glam::Vec3>();
     let bytes = (pixel as u64).saturating_mul(u64::from(width) * u64::from(height));
-    let room = usize::try_from(bytes).is_ok_and(|n| Vec::<u8>::new().try_reserve_exact(n).is_ok());
-    if room { Ok(()) } else { Err(RenderError::Memory { width, height, bytes }) }
+    if crate::room::is_there(bytes) { Ok(()) } else { Err(RenderError::Memory { width, height, bytes }) }
 }
 
 struct Job<'a> {
@@ -251,9 +256,16 @@ struct Job<'a> {
     options: &'a RenderOptions,
     control: &'a dyn RenderControl,
     model: &'a dyn Propagator,
+    /// When it was first seen that somebody wants to stop.
+    asked: OnceLock<Instant>,
 }
 
 impl Job<'_> {
+    /// Whether a pass that begins with that sample has to stop.
+    fn stops(&self, first: u32) -> bool {
+        self.control.cancelled() && (first > 0 || self.asked.get_or_init(Instant::now).elapsed() >= GRACE)
+    }
+
     fn run(&self) -> Rendered {
         let &RenderOptions { width, height, spp, .. } = self.options;
         let camera = Camera::new(&self.options.camera, width, height);
@@ -267,7 +279,7 @@ impl Job<'_> {
             let last = (first + first.clamp(1, LARGEST_PASS)).min(spp);
             // Tiles differ by far in what they cost: each is a job of its own that an idle thread can take.
             tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
-                if self.control.cancelled() {
+                if self.stops(first) {
                     return;
                 }
                 if !self.render_tile(tile, first..last, &camera, &surroundings) {
@@ -294,7 +306,7 @@ impl Job<'_> {
         camera: &Camera,
         surroundings: &Surroundings,
     ) -> bool {
-        let asked = || self.control.cancelled();
+        let asked = || self.stops(samples.start);
         let stop = Stop(Some(&asked));
         let before = (tile.sums.clone(), tile.coverage.clone());
         let tracer = PathTracer {
@@ -360,6 +372,7 @@ impl Job<'_> {
             stats.scattering_events += tile.counters.events;
             stats.truncated_paths += tile.counters.truncated;
             stats.leaked_paths += tile.counters.leaks;
+            stats.lost_paths += tile.counters.lost;
             stats.invalid_samples += tile.counters.invalid;
         }
         if self.has_coverage() {

@@ -46,6 +46,8 @@ pub(super) struct Counters {
     pub events: u64,
     pub truncated: u64,
     pub leaks: u64,
+    /// Leaks out of closed objects.
+    pub lost: u64,
     pub invalid: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The pages of `docs/`, the front page and that of the conformance suite: commands work, links lead somewhere.
+//! The pages of `docs/`, the front page, those of the samples and of the conformance suite: commands work, links lead somewhere.
 //!
 //! A block of the language `sh` holds commands, and commands are found nowhere else. Those of a page run one after the
 //! other in a scratch copy of what they need of the repository, and each must end with 0:
@@ -37,16 +37,19 @@ const CASES: [&str; 3] = ["absorption", "camera-inside", "khr-volume"];
 const REFERENCE: &str = "rough-06";
 
 /// Commands of other programs.
-const OTHERS: [&str; 11] = [
+const OTHERS: [&str; 14] = [
     "blender -b scene.blend --python samples/from-blender/to_nephrite.py -- scene.glb",
     "cargo install --path .",
     "cargo test --release",
     "cargo test --release --test physics -- --ignored --nocapture colours_that_were_asked_for",
+    "for name in samples/*/*.glb; do nephrite render \"$name\" -o \"${name%.glb}.png\" --size 480x360 --spp 64; done",
     "mdbook build docs",
     "node -e \"require('gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync('milk.glb'))).then(r => console.log(JSON.stringify(r.issues, null, 2)))\"",
     "npm install gltf-validator",
     "pip install bpy==4.5.15",
+    "pip install bpy==5.0.1 numpy        # Python 3.11",
     "pip install mitsuba numpy",
+    "python3 samples/make/build.py --meshes MESHES [NAME ...]",
     "python3 samples/conformance/make/build.py                  # Python 3.10 or newer, numpy",
     "python3 samples/from-blender/to_nephrite.py scene.blend scene.glb",
 ];
@@ -56,7 +59,14 @@ fn pages() -> Vec<(PathBuf, String)> {
     let docs = std::fs::read_dir(Path::new(ROOT).join("docs")).expect("docs/");
     let names = docs.map(|entry| Path::new("docs").join(entry.expect("an entry").file_name()));
     let mut paths: Vec<PathBuf> = names.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
-    paths.extend(["README.md", "samples/conformance/README.md"].map(PathBuf::from));
+    paths.extend(["README.md", "samples/README.md", "samples/conformance/README.md"].map(PathBuf::from));
+    let samples = std::fs::read_dir(Path::new(ROOT).join("samples")).expect("samples/");
+    let of_sample = samples
+        .map(|entry| Path::new("samples").join(entry.expect("an entry").file_name()).join("README.md"));
+    paths.extend(
+        of_sample
+            .filter(|page| !page.starts_with("samples/conformance") && Path::new(ROOT).join(page).exists()),
+    );
     paths.sort();
     let read = |path: PathBuf| {
         let text = std::fs::read_to_string(Path::new(ROOT).join(&path)).expect("a page");

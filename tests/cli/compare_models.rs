@@ -181,12 +181,12 @@ fn interrupted_comparisons_write_the_models_that_are_finished() {
     interrupt(&endless).says(&["stopping", "interrupted before any model", "nothing is written"]);
     assert_eq!(sandbox.files(), ["a.gltf"]);
 
-    // Single scattering is done at once, and so are two samples of the reference; hundreds of walks through a hundred
+    // Single scattering is done within a second, and so are two samples of the reference; thousands of walks through a hundred
     // thousand mean free paths are not.
     let dense =
         tetrahedron().replace("[0.1, 0.2, 1]", "[0, 0, 0]").replace("[10, 12, 15]", "[1e5, 1e5, 1e5]");
     sandbox.file("a.gltf", dense);
-    let models = ["--models", "single-scattering,random-walk", "--spp", "400", "--reference-spp", "2"];
+    let models = ["--models", "single-scattering,random-walk", "--spp", "16000", "--reference-spp", "2"];
     interrupt(&[&args[..], &models].concat()).says(&["interrupted: the sheet has 1 of 2 models"]);
     assert_eq!(sandbox.files(), ["a.csv", "a.gltf", "a.json", "a.png"]);
     let json = read_json(&sandbox, "a.json");

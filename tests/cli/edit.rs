@@ -1,6 +1,6 @@
 //! `nephrite edit`: what it writes, what it leaves alone, and how it ends.
 
-use super::util::{Sandbox, glb, tetrahedra, tetrahedron_data};
+use super::util::{Sandbox, glb, tetrahedra, tetrahedron_data, triangle};
 use serde_json::{Value, json};
 
 const OURS: &str = "NEPHRITE_materials_subsurface";
@@ -118,8 +118,6 @@ fn everything_else_keeps_every_byte() {
     let sandbox = Sandbox::new();
     let before = wax();
     sandbox.file("a.gltf", &before);
-    sandbox.run(&["edit", "a.gltf", "-o", "same.gltf"]).exits(0);
-    assert!(std::fs::read(sandbox.path("same.gltf")).unwrap() == before.as_bytes());
     sandbox
         .run(&["edit", "a.gltf", "-o", "b.gltf", "--material", "1", "--preset", "marble", "--no-fallback"])
         .exits(0);
@@ -236,4 +234,30 @@ fn the_surface_is_fixed_on_request_and_warned_about_otherwise() {
     let material = read(&sandbox, "b.gltf")["materials"][0].clone();
     assert_eq!(material["pbrMetallicRoughness"], json!({ "roughnessFactor": 0.25, "metallicFactor": 0 }));
     assert!(material.get("alphaMode").is_none());
+}
+
+#[test]
+fn an_edit_that_changes_nothing_says_so_and_fails() {
+    let sandbox = Sandbox::new();
+    sandbox.file("a.gltf", wax());
+    sandbox.file("none.gltf", triangle(""));
+    sandbox.run(&["edit", "a.gltf", "-o", "b.gltf"]).exits(2).says(&["nothing would change", "--material"]);
+    sandbox.run(&["edit", "a.gltf", "--in-place"]).exits(2).says(&["nothing would change"]);
+    sandbox.run(&["edit", "a.gltf", "-o", "m.gltf", "--material", "0", "--preset", "marble"]).exits(0);
+    let written = || std::fs::metadata(sandbox.path("m.gltf")).unwrap().modified().unwrap();
+    let before = written();
+    let same = ["edit", "m.gltf", "--in-place", "--material", "0"];
+    for more in [&["--preset", "marble"][..], &["--ior", "1.5"]] {
+        let run = sandbox.run(&[&same[..], more].concat()).exits(1);
+        run.says(&["m.gltf: nothing changes", "like that already", "inspect"]);
+    }
+    assert_eq!(written(), before);
+    let remove = ["edit", "a.gltf", "-o", "b.gltf", "--remove", "--material"];
+    for (which, why) in [("0", "the material has no medium"), ("*", "none of the materials has a medium")] {
+        sandbox.run(&[&remove[..], &[which]].concat()).exits(1).says(&["nothing changes", why]);
+    }
+    let args = ["edit", "none.gltf", "-o", "b.gltf", "--material", "*", "--preset", "marble"];
+    sandbox.run(&args).exits(1).says(&["nothing changes", "no materials"]);
+    assert_eq!(sandbox.files(), ["a.gltf", "m.gltf", "none.gltf"]);
+    assert!(std::fs::read_to_string(sandbox.path("a.gltf")).unwrap() == wax());
 }

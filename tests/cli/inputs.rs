@@ -1,6 +1,7 @@
 //! Where the document comes from, and how much it may ask for.
 
-use crate::util::{Run, Sandbox, triangle};
+use crate::util::{Run, Sandbox, glb, tetrahedra, triangle};
+use serde_json::Value;
 use std::io::Write;
 use std::process::Stdio;
 
@@ -36,9 +37,89 @@ fn a_folder_stands_for_its_only_document() {
     let sandbox = Sandbox::new();
     sandbox.run(&["inspect", "."]).exits(1).says(&["no .gltf or .glb"]);
     sandbox.file("a.gltf", triangle(""));
-    sandbox.run(&["inspect", "."]).exits(0);
+    let render = ["render", ".", "-o", "a.png", "--size", "4x4", "--spp", "1"];
+    sandbox.run(&render).exits(0);
     sandbox.file("b.gltf", triangle(""));
-    sandbox.run(&["inspect", "."]).exits(1).says(&["a.gltf, b.gltf", "name one"]);
+    sandbox.run(&render).exits(1).says(&["a.gltf, b.gltf", "name one"]);
+}
+
+/// What looks at files or changes them takes all that a folder holds; one that fails takes no other along.
+#[test]
+fn a_folder_stands_for_all_documents_in_it() {
+    let sandbox = Sandbox::new();
+    let folder = |name: &str| std::fs::create_dir(sandbox.path(name)).expect("a folder");
+    ["in", "out", "in/below"].into_iter().for_each(folder);
+    let body = tetrahedra(r#"[{ "name": "M" }]"#, r#"[{ "mesh": 0 }]"#, None);
+    sandbox.file("in/a.gltf", &body);
+    sandbox.file("in/b.glb", glb(&body));
+    sandbox.file("in/notes.txt", "no document");
+    sandbox.file("in/below/c.gltf", "never read");
+
+    let run = sandbox.run(&["inspect", "in"]).exits(0);
+    run.check(run.stdout.contains("in/a.gltf\n") && run.stdout.contains("\nin/b.glb\n"), "should name both");
+    let json = |args: &[&str]| -> Value { serde_json::from_str(&sandbox.run(args).stdout).expect("JSON") };
+    for command in ["inspect", "validate"] {
+        let found = json(&[command, "in", "--json"]);
+        let files: Vec<&str> =
+            found.as_array().expect("a list").iter().filter_map(|r| r["file"].as_str()).collect();
+        assert_eq!(files, ["in/a.gltf", "in/b.glb"], "{command}");
+    }
+
+    let change = ["--material", "M", "--preset", "marble"];
+    let edit = |output: &[&'static str]| sandbox.run(&[&["edit", "in"], output, &change].concat());
+    edit(&["-o", "x.gltf"]).exits(2).says(&["several files", "folder", "--in-place"]);
+    edit(&["-o", "out"]).exits(0).says(&["wrote out/a.gltf", "wrote out/b.glb"]);
+    for name in ["out/a.gltf", "out/b.glb"] {
+        assert_eq!(json(&["inspect", name, "--json"])["media"][0]["sigma_s"][1], serde_json::json!(2620.0));
+    }
+    sandbox.run(&["convert", "out", "--in-place", "--to", "khr-scatter"]).exits(0);
+    sandbox.file("out/bad.gltf", "{ no JSON");
+    let run = sandbox.run(&["edit", "out", "--in-place", "--material", "M", "--preset", "cream"]).exits(1);
+    run.says(&["out/bad.gltf", "wrote out/a.gltf", "wrote out/b.glb"]);
+    let run = sandbox.run(&["validate", "out"]).exits(1).says(&["out/bad.gltf"]);
+    run.check(run.stdout.contains("out/b.glb: 0 errors"), "should have gone on");
+
+    std::fs::remove_file(sandbox.path("out/bad.gltf")).expect("a file");
+    let compare = ["--size", "8x8", "--spp", "2", "--reference-spp", "2", "--models", "dipole"];
+    sandbox
+        .run(&[&["compare-models", "out", "-o", "x.png"], &compare[..]].concat())
+        .exits(2)
+        .says(&["folder"]);
+    sandbox.run(&[&["compare-models", "out", "-o", "in"], &compare[..]].concat()).exits(0);
+    assert!(["a.png", "a.csv", "b.png", "b.json"].iter().all(|name| sandbox.path("in").join(name).exists()));
+}
+
+#[test]
+fn every_command_that_reads_files_reads_standard_input_and_keeps_limits() {
+    let sandbox = Sandbox::new();
+    let body = tetrahedra(r#"[{ "name": "M" }]"#, r#"[{ "mesh": 0 }]"#, None);
+    let edit = ["edit", "-", "-o", "e.gltf", "--material", "0", "--preset", "marble"];
+    piped(&sandbox, &edit, body.as_bytes()).exits(0).says(&["wrote e.gltf"]);
+    let edited = std::fs::read(sandbox.path("e.gltf")).expect("written");
+    piped(&sandbox, &["convert", "-", "-o", "c.gltf", "--to", "khr-scatter"], &edited).exits(0);
+    let run = piped(&sandbox, &["validate", "-"], &edited).exits(0);
+    run.check(run.stdout.contains("standard input: 0 errors"), "should name it");
+    let compare = ["compare-models", "-", "-o", "m.png", "--size", "8x8", "--spp", "2", "--models", "dipole"];
+    piped(&sandbox, &compare, &edited).exits(0);
+    let in_place = ["edit", "-", "--in-place", "--material", "0", "--preset", "marble"];
+    piped(&sandbox, &in_place, body.as_bytes()).exits(2).says(&["standard input", "-o FILE"]);
+    let relative = tetrahedra("[{}]", r#"[{ "mesh": 0 }]"#, Some("c.gltf"));
+    let run = piped(&sandbox, &["validate", "-"], relative.as_bytes()).exits(1);
+    run.check(run.stdout.contains("stream"), "should not look for files of standard input");
+
+    sandbox.file("a.gltf", &body);
+    for args in [
+        &["validate", "a.gltf"][..],
+        &["edit", "a.gltf", "-o", "x.gltf", "--material", "0", "--preset", "marble"],
+        &["convert", "a.gltf", "-o", "x.gltf", "--to", "khr-scatter"],
+        &["inspect", "a.gltf"],
+        &["render", "a.gltf", "-o", "x.png"],
+        &["compare-models", "a.gltf", "-o", "x.png"],
+    ] {
+        let run = sandbox.run(&[args, &["--limit", "json-values=10"]].concat()).exits(1);
+        run.says(&["--limit json-values="]);
+    }
+    assert!(!sandbox.path("x.gltf").exists());
 }
 
 #[test]

@@ -105,6 +105,25 @@ fn limits_of_the_machine_are_errors() {
     let run =
         limited("-v 1500000", "--threads 4000").exits(1).says(&["cannot start 4000 threads", "--threads"]);
     run.check(!run.stderr.contains("panicked"), "should not panic");
+    // A white image of 15000 × 15000 pixels in some kilobytes.
+    let mut encoder =
+        png::Encoder::new(std::fs::File::create(sandbox.path("white.png")).unwrap(), 15000, 15000);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::One);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&vec![255; 15000 * 1875]).unwrap();
+    writer.finish().unwrap();
+    let textured = triangle(
+        r#""images": [{ "uri": "white.png" }], "textures": [{ "source": 0 }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],"#,
+    );
+    let textured =
+        textured.replace(r#""POSITION": 0 } }"#, r#""POSITION": 0, "TEXCOORD_0": 0 }, "material": 0 }"#);
+    sandbox.file("a.gltf", textured);
+    let run = limited("-v 600000", "--threads 1 --size 8x8 --spp 1").exits(1);
+    let run = run.says(&["/images/0: decoding images", "GB of memory"]);
+    run.check(!run.stderr.contains("panicked"), "should not panic");
+    sandbox.file("a.gltf", triangle(""));
     let run = limited("-v 1500000", "--threads 1 --size 16000x16000").exits(1).says(&["no memory", "16000"]);
     run.check(!run.stderr.contains("panicked"), "should not panic");
 }

@@ -106,12 +106,12 @@ fn what_a_file_was_it_stays() {
     let materials = r#"[{}]"#;
     let path = sandbox.file("edited.gltf", tetrahedra(materials, r#"[{ "mesh": 0 }]"#, None));
     std::fs::set_permissions(&path, Permissions::from_mode(0o600)).unwrap();
-    let edit = ["edit", "edited.gltf", "--in-place", "--material", "0", "--preset", "marble"];
-    sandbox.run(&edit).exits(0);
+    let edit = |preset| ["edit", "edited.gltf", "--in-place", "--material", "0", "--preset", preset];
+    sandbox.run(&edit("marble")).exits(0);
     assert_eq!(mode("edited.gltf"), 0o600);
     // Root may give files away, and then keeps the owner.
     if std::os::unix::fs::chown(&path, Some(12345), Some(12345)).is_ok() {
-        sandbox.run(&edit).exits(0);
+        sandbox.run(&edit("cream")).exits(0);
         let found = path.metadata().unwrap();
         assert_eq!((found.uid(), found.gid(), mode("edited.gltf")), (12345, 12345, 0o600));
     }

@@ -1,10 +1,15 @@
 //! How the program ends when it is asked to, and what is left then.
 
 use super::util::{Run, Sandbox, exr_channel, tetrahedra, triangle};
+use glam::Vec3;
+use nephrite::asset::{LoadOptions, load_bytes};
+use nephrite::scene::{Scene, auto_camera};
+use nephrite::transport::{RenderControl, RenderOptions, render};
 use nix::sys::signal::{SigHandler, Signal, kill, signal};
 use nix::unistd::Pid;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A program with its own signals: those that run tests in the background ignore some, and that is inherited.
@@ -96,6 +101,32 @@ fn what_is_ignored_at_the_start_stays_ignored() {
         send(&child, Signal::SIGTERM);
         ends_within(child, Duration::from_secs(5)).0.exits(130).says(&["stopping"]);
     }
+}
+
+/// Somebody who wants to stop as soon as the first pass has begun.
+struct AtOnce(AtomicBool);
+
+impl RenderControl for AtOnce {
+    fn advance(&self, _: u64, _: u64) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.swap(true, Ordering::Relaxed)
+    }
+}
+
+/// Without the first pass there is no picture, so it gets 0.3 s more; a later one does not.
+#[test]
+fn the_first_pass_is_finished_where_that_takes_little() {
+    let loaded = load_bytes(triangle("").into_bytes(), "".as_ref(), &LoadOptions::default()).unwrap();
+    let camera = auto_camera(Vec3::NEG_ONE, Vec3::ONE, 1.0);
+    let scene = Scene::build(loaded.scene).unwrap();
+    let options = RenderOptions { width: 40, height: 24, spp: 1000, ..RenderOptions::new(camera) };
+    let began = Instant::now();
+    let rendered = render(&scene, &options, &AtOnce(AtomicBool::new(false))).unwrap();
+    assert_eq!(rendered.spp, 1);
+    // Nothing is begun where it is asked before.
+    assert_eq!(render(&scene, &options, &AtOnce(AtomicBool::new(true))).unwrap().spp, 0);
+    assert!(began.elapsed() < Duration::from_secs(5));
 }
 
 /// Walks in a medium without absorption, ten thousand mean free paths thick: a tile takes minutes.

@@ -10,6 +10,22 @@ fn what_was_probably_meant_is_said() {
     let cases: &[(&[&str], &[&str])] = &[
         (&["render", "a.gltf", "-o", "a.png", "--samples", "3"], &["'--spp'", "nephrite render --help"]),
         (&["render", "a.gltf", "-o", "a.png", "--hdri=x.hdr"], &["'--env'"]),
+        (&["render", "a.gltf", "-o", "a.png", "--max_depth", "3"], &["'--max-depth'"]),
+        (&["render", "a.gltf", "-o", "a.png", "-spp", "3"], &["'--spp'"]),
+        (&["render", "a.gltf", "-o", "a.png", "--light-intensity", "3"], &["'--light-scale'"]),
+        (&["render", "--input", "a.gltf", "-o", "a.png"], &["nephrite render FILE.glb"]),
+        (&["profile", "--samples", "9", "--medium", "marble", "-o", "a.csv"], &["'--paths'"]),
+        (&["profile", "marble", "-o", "a.csv"], &["--medium marble"]),
+        (&["edit", "m.gltf", "b.gltf", "--material", "0", "--preset", "marble"], &["-o b.gltf"]),
+        (&["edit", "m.gltf", "-o", "b.gltf", "--sigma-a", "3"], &["'--absorption'"]),
+        (&["inspect", "a.gltf", "m.gltf"], &["all in a folder", "nephrite inspect --help"]),
+        (&["a.gltf"], &["nephrite render a.gltf -o FILE.png"]),
+        (&["info", "a.gltf"], &["'inspect'"]),
+        (&["render", "a.gltf", "-o", "a.png", "--spp", "-1"], &["'-1'", "--spp"]),
+        (&["render", "a.gltf", "-o", "a.png", "--env", "-1,0,0"], &["at least 0"]),
+        (&["render", "a.gltf", "-o", "a.png", "--weld-tolerance", "1mm"], &["without \"mm\""]),
+        (&["render", "a.gltf", "-o", "a.png", "--at", "2s"], &["without \"s\""]),
+        (&["profile", "-o", "a.csv", "--medium", "-1,2,0,1.3"], &["σa and σs"]),
         (&["render", "a.gltf", "a.png"], &["-o a.png", "nephrite render --help"]),
         (&["render", "a.gltf", "-o", "a.png", "-o", "a.png"], &["nephrite render --help"]),
         (&["render", "a.gltf", "-o", "a.png", "--size", "640"], &["640 is one side", "1280x720"]),
@@ -71,4 +87,25 @@ fn one_is_not_many() {
     sandbox.file("a.gltf", triangle(""));
     let args = ["render", "a.gltf", "-o", "a.png", "--size", "4x4", "--spp", "1"];
     sandbox.run(&args).exits(0).says(&["1 sample a pixel"]);
+}
+
+/// Two tetrahedra that blue light crosses undimmed, and so comes out of where a face is missing.
+#[test]
+fn leaks_are_told_of_open_meshes_and_of_nothing_else() {
+    let sandbox = Sandbox::new();
+    let materials = r#"[{ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "NEPHRITE_materials_subsurface": {
+        "absorptionCoefficient": [5, 1, 0] } } }]"#;
+    let args = ["render", "a.gltf", "-o", "a.png", "--size", "24x24", "--spp", "16", "--stats", "a.json"];
+    let counted = |name: &str| {
+        let text = std::fs::read(sandbox.path("a.json")).unwrap();
+        serde_json::from_slice::<serde_json::Value>(&text).unwrap()["counters"][name].as_u64().unwrap()
+    };
+    for (mesh, leaks) in [(1, true), (0, false)] {
+        let nodes = format!(r#"[{{ "mesh": 0 }}, {{ "mesh": {mesh}, "translation": [2, 0, 0] }}]"#);
+        sandbox.file("a.gltf", tetrahedra(materials, &nodes, None));
+        let run = sandbox.run(&args).exits(0);
+        run.check(run.stderr.contains("leaked out of meshes that are not closed") == leaks, "leaks");
+        run.check(!run.stderr.contains("lost at boundaries"), "the closed one loses nothing");
+        assert_eq!((counted("leaked_paths") > 0, counted("lost_paths")), (leaks, 0));
+    }
 }

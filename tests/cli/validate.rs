@@ -58,6 +58,54 @@ fn all_violations_of_the_schema_are_found_at_once() {
     }
 }
 
+/// The drafts of OpenPBR: what they exclude and allow is told, `inspect` names them, `edit` keeps them.
+#[test]
+fn drafts_are_validated_named_and_kept() {
+    let sandbox = Sandbox::new();
+    let file = |more: &str| {
+        let drafts = r#""KHR_materials_coat": { "coatFactor": 2, "coatIor": 0.5, "coatColorFactor": [1, 0.5, 0.25] },
+            "KHR_materials_fuzz": { "fuzzFactor": 0.5, "fuzzRoughnessFactor": 0.25 },
+            "KHR_materials_diffuse_roughness": { "diffuseRoughnessFactor": 0.75, "extras": { "kept": true } }"#;
+        let materials = format!(r#"[ {{ "name": "Dusty", "extensions": {{ {drafts} {more} }} }} ]"#);
+        let used = r#"{ "extensionsUsed": [ "KHR_materials_coat", "KHR_materials_fuzz",
+            "KHR_materials_diffuse_roughness", "KHR_materials_unlit" ],"#;
+        tetrahedra(&materials, r#"[ { "mesh": 0 } ]"#, None).replacen('{', used, 1)
+    };
+    sandbox.file("a.gltf", file(r#", "KHR_materials_unlit": {}"#));
+    let run = sandbox.run(&["validate", "a.gltf", "--json"]).exits(0);
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let at = |name: &str| format!("/materials/0/extensions/{name}");
+    let excluded: Vec<String> = find(&report, "must not be on a material that has KHR_materials_unlit")
+        .iter()
+        .map(|f| f.1.to_owned())
+        .collect();
+    let names = ["KHR_materials_coat", "KHR_materials_diffuse_roughness", "KHR_materials_fuzz"];
+    for name in names {
+        assert!(excluded.contains(&at(name)), "{name}: {report}");
+    }
+    for wrong in ["coatFactor", "coatIor"] {
+        let pointer = format!("{}/{wrong}", at(names[0]));
+        assert!(report["findings"].as_array().unwrap().iter().any(|f| f["pointer"] == pointer), "{wrong}");
+    }
+    sandbox.file("b.gltf", file(""));
+    sandbox
+        .run(&["render", "a.gltf", "-o", "a.png", "--strict"])
+        .exits(1)
+        .says(&["must not be on a material"]);
+    let run = sandbox.run(&["inspect", "b.gltf"]).exits(0);
+    run.check(run.stdout.contains("fuzz, coat, diffuse roughness"), "should name the layers");
+    let edit = ["edit", "b.gltf", "-o", "c.gltf", "--material", "Dusty", "--preset", "marble"];
+    sandbox.run(&edit).exits(0);
+    let document = |name: &str| -> Value {
+        serde_json::from_slice(&std::fs::read(sandbox.path(name)).unwrap()).unwrap()
+    };
+    let (before, after) = (document("b.gltf"), document("c.gltf"));
+    for name in names {
+        assert_eq!(before.pointer(&at(name)), after.pointer(&at(name)), "{name}");
+        assert!(after.pointer(&at(name)).is_some() && after["extensionsUsed"].to_string().contains(name));
+    }
+}
+
 #[test]
 fn units_that_were_mixed_up_are_suspected() {
     let sandbox = Sandbox::new();

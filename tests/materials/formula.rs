@@ -103,3 +103,40 @@ pub fn rec709(xyz: DVec3) -> DVec3 {
         DVec3::new(0.055_643_4, -0.204_025_9, 1.057_225_2).dot(xyz),
     )
 }
+
+/// EON (Portsmouth, Kutz & Hill 2024), listing 1: the BRDF, and the directional albedo towards `g.v`.
+pub fn eon(g: &Geometry, rho: f64, r: f64) -> (f64, f64) {
+    let af = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * r);
+    let e = |mu: f64| {
+        let sin = (1.0 - mu * mu).max(0.0).sqrt();
+        let tangent = sin / mu * (1.0 - sin.powi(3));
+        af + r * af / PI * (sin * (mu.min(1.0).acos() - sin * mu) + 2.0 / 3.0 * (tangent - sin))
+    };
+    let average = af * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * PI)) * r);
+    let s = g.v.dot(g.l) - g.v.z * g.l.z;
+    let once = rho / PI * af * (1.0 + r * if s > 0.0 { s / g.v.z.max(g.l.z) } else { s });
+    let again = rho * rho * average / (1.0 - rho * (1.0 - average));
+    let more = again / PI * (1.0 - e(g.v.z)) * (1.0 - e(g.l.z)) / (1.0 - average);
+    (once + more, rho * e(g.v.z) + again * (1.0 - e(g.v.z)))
+}
+
+/// The fuzz of Zeltner, Burley & Chiang 2022 by MaterialX's fits, the mean of both directions.
+pub fn fuzz(g: &Geometry, y: f64) -> f64 {
+    let reflected = |x: f64| {
+        let s = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y));
+        let m = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y);
+        let o = y * (0.000654023 + (-0.0207818 + 0.119681 * y) * y) / (1.26264 + y * (-1.92021 + y));
+        (-0.5 * ((x - m) / s).powi(2)).exp() / (s * (2.0 * PI).sqrt()) + o
+    };
+    let lobe = |o: DVec3, i: DVec3| {
+        let x = o.z;
+        let a = (2.58126 * x + 0.813703 * y) * y / (1.0 + 0.310327 * x * x + 2.60994 * x * y);
+        let b = (1.0 - x).max(0.0).sqrt() * (y - 1.0) * y * y * y
+            / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y);
+        let along = DVec3::new(o.x, o.y, 0.0).normalize_or(DVec3::X);
+        let across = DVec3::Z.cross(along);
+        let w = DVec3::new(a * along.dot(i) + b * i.z, a * across.dot(i), i.z);
+        reflected(x) / PI * (a / w.length_squared()).powi(2)
+    };
+    0.5 * (lobe(g.v, g.l) + lobe(g.l, g.v))
+}

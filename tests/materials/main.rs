@@ -7,6 +7,7 @@
 #[path = "../physics/lab.rs"]
 mod lab;
 
+mod drafts;
 mod film;
 mod formula;
 mod scenes;

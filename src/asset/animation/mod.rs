@@ -17,7 +17,7 @@ pub(crate) use property::Property;
 pub use property::{MutableProperty, PropertyKind};
 use sampler::{Sampler, Space};
 
-use super::error::{AssetError, shorten};
+use super::error::{AssetError, count, shorten};
 use super::json::Json;
 use super::loader::Loader;
 
@@ -109,8 +109,8 @@ impl Loader<'_> {
             }
         }
         if replaced > 0 {
-            let message =
-                format!("{replaced} properties are animated more than once; the last animation counts");
+            let properties = count(replaced, "property is", "properties are");
+            let message = format!("{properties} animated more than once; the last animation counts");
             self.note("/animations", message);
         }
         edits

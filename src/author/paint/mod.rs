@@ -1,7 +1,7 @@
 //! From the base colour of a material to coefficient textures of its medium.
 //!
 //! A base colour tints light at every crossing of a boundary. What was meant is a body of that colour: so the paint of a
-//! material ([`Painting`](crate::asset::painting::Painting)) is gathered into *coats* ([`coats`]), pictures of the colour
+//! material is gathered into *coats* ([`coats`]), pictures of the colour
 //! to be seen with vertex colours baked in ([`bake`]), and each colour is inverted into a single-scattering albedo behind
 //! the boundary ([`coefficients`]). [`document`] writes what comes of it.
 

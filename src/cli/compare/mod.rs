@@ -9,11 +9,13 @@ mod sheet;
 
 use super::Failure;
 use super::args::CompareArgs;
+use super::documents::{self, Documents};
+use super::hint::say_how_to_expose;
 use super::interrupt;
 use super::job::{
     Failures, cannot_write, check_not_inputs, check_output, check_pixels, file_name, write_text,
 };
-use super::message::Reporter;
+use super::message::{Reporter, count};
 use super::pipeline::{self, Registry};
 use super::progress::Progress;
 use super::setup::{Prepared, Size};
@@ -60,8 +62,27 @@ struct Results {
 
 /// Compares as the arguments say.
 pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
+    let all = Documents::models(&args.scene.load.input)?;
+    if !all.are_several() {
+        return compare(args, None);
+    }
+    let folder = args.output.clone();
+    documents::check_folder(&args.scene.load.input, &folder, "")?;
+    all.each(|document| {
+        let mut args = args.clone();
+        args.scene.load.input = document.to_owned();
+        let name = document.file_stem().unwrap_or(document.as_os_str());
+        let mut name = name.to_owned();
+        name.push(".png");
+        args.output = folder.join(name);
+        compare(args, Some(document))
+    })
+}
+
+/// Compares the models in one file, which is told in messages where there are several.
+fn compare(args: CompareArgs, of: Option<&Path>) -> Result<(), Failure> {
     let outputs = Outputs::new(&args)?;
-    let reporter = Reporter::new(args.scene.quiet);
+    let reporter = Reporter::of(args.scene.quiet, of);
     let progress = Progress::new(args.scene.quiet);
     let size = Size { asked: args.size, longest_side: LONGEST_SIDE };
     let mut prepared = Prepared::new(&args.scene, size, &args.blur, &outputs.paths(), &reporter, &progress)?;
@@ -81,6 +102,8 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
         reporter.warning("interrupted before any model was finished; nothing is written");
         return Err(Failure::Interrupted);
     };
+    let scene = &prepared.scene.description;
+    say_how_to_expose(&results.reference.film, scene, prepared.of_blender, &args.scene, &reporter);
     let drawn = sheet::draw(&args, &prepared, &results)?;
     let attributes = report::attributes(&args, &prepared, &results);
     let mut failures = Failures::default();
@@ -100,11 +123,11 @@ pub(super) fn run(args: CompareArgs) -> Result<(), Failure> {
     }
     let seconds: f64 = results.models.iter().map(|(entry, _)| entry.work.seconds).sum();
     reporter.note(format!(
-        "wrote {}, {}, {} ({} models, {} × {}, {} samples a pixel, {:.1} s)",
+        "wrote {}, {}, {} ({}, {} × {}, {} samples a pixel, {:.1} s)",
         outputs.sheet.display(),
         outputs.json.display(),
         outputs.csv.display(),
-        results.models.len(),
+        count(results.models.len() as u64, "model", "models"),
         prepared.width,
         prepared.height,
         results.spp,
@@ -235,13 +258,7 @@ impl<'a> Bench<'a> {
                 }
                 *done += pixels * u64::from(spp);
                 let samples = pixels as f64 * f64::from(spp);
-                report_counters(
-                    &rendered.stats,
-                    &prepared.scene,
-                    samples,
-                    &format!("{name}: "),
-                    self.reporter,
-                );
+                report_counters(&rendered.stats, samples, &format!("{name}: "), self.reporter);
                 films.push(rendered.film);
             }
             Ok(true)

@@ -23,8 +23,10 @@ impl<'a> Change<'a> {
         if asked && args.material.is_empty() {
             return Err(Failure::Usage("say with --material which material to change".to_owned()));
         }
-        if !asked && !args.material.is_empty() {
-            return Err(Failure::Usage("say what to change: --preset, --absorption, --remove, …".to_owned()));
+        if !asked {
+            let which = if args.material.is_empty() { ", and with --material which material" } else { "" };
+            let options = "say what to change: --preset, --absorption, --remove, …";
+            return Err(Failure::Usage(format!("nothing would change; {options}{which}")));
         }
         Ok(change)
     }

@@ -6,9 +6,10 @@ mod select;
 mod textured;
 
 use super::Failure;
-use super::author_args::EditArgs;
-use super::authored::Authored;
-use super::message::Reporter;
+use super::author_args::{EditArgs, TargetArgs};
+use super::authored::{Authored, each_target};
+use super::documents::shown;
+use super::message::{Reporter, count};
 use crate::author::paint::images::NewImages;
 use crate::author::text::{Node, Tree};
 use crate::author::{Medium, bodies, declare, khronos, nephrite, remove_member};
@@ -19,39 +20,40 @@ use serde_json::{Map, Value};
 /// Edits as the arguments say.
 pub(super) fn run(args: &EditArgs) -> Result<(), Failure> {
     let change = Change::new(args)?;
-    let reporter = Reporter::new(args.target.quiet);
-    let authored = Authored::open(&args.target, &reporter)?;
+    each_target(&args.target, |target, reporter| edit_file(&change, target, reporter))
+}
+
+fn edit_file(change: &Change<'_>, target: &TargetArgs, reporter: &Reporter) -> Result<(), Failure> {
+    let args = change.args;
+    let authored = Authored::open(target, reporter)?;
     let mut chosen = select::materials(authored.file.document(), &args.material)?;
     let mut tree = authored.file.tree().map_err(Failure::cannot)?;
     let mut images = NewImages::new(authored.file.document());
     if args.from_base_color {
-        chosen = paint::run(&mut tree, &mut images, &authored, &change, &chosen, &reporter)?;
+        chosen = paint::run(&mut tree, &mut images, &authored, change, &chosen, reporter)?;
     } else {
         let scene = authored.loaded.as_ref().ok().map(|loaded| &loaded.scene);
         for &index in &chosen {
             let material = material_of(&mut tree, index)?;
-            edit(material, index, &change, scene)?;
+            edit(material, index, change, scene)?;
         }
         if args.fix_surface {
-            paint::clear_vertex_colors(&mut tree, authored.file.document(), &chosen, &reporter);
+            paint::clear_vertex_colors(&mut tree, authored.file.document(), &chosen, reporter);
         }
     }
-    if !chosen.is_empty() {
-        let names: Vec<&str> = std::iter::once(nephrite::NAME).chain(khronos::NAMES).collect();
-        declare(tree.root_mut(), if args.no_fallback { &names[..1] } else { &names });
+    let names: Vec<&str> = std::iter::once(nephrite::NAME).chain(khronos::NAMES).collect();
+    declare(tree.root_mut(), if args.no_fallback { &names[..1] } else { &names });
+    let text = tree.to_string();
+    if authored.is_unchanged(&text) {
+        return Err(nothing_changes(args, target, &chosen));
     }
-    authored.write_with_images(tree, &images, &chosen, &reporter)?;
-    let output = args.target.output.as_ref().unwrap_or(&args.target.input);
-    let changed = match chosen.len() {
-        1 => "1 material changed".to_owned(),
-        n => format!("{n} materials changed"),
-    };
+    authored.write_with_images(tree, &images, &chosen, reporter)?;
+    let changed = count(chosen.len() as u64, "material", "materials");
     let added = match images.list().len() {
         0 => String::new(),
-        1 => ", 1 image added".to_owned(),
-        n => format!(", {n} images added"),
+        n => format!(", {} added", count(n as u64, "image", "images")),
     };
-    reporter.note(format!("wrote {} ({changed}{added})", output.display()));
+    reporter.note(format!("wrote {} ({changed} changed{added})", target.written().display()));
     Ok(())
 }
 
@@ -59,6 +61,25 @@ pub(super) fn run(args: &EditArgs) -> Result<(), Failure> {
 fn material_of<'n, 'a>(tree: &'n mut Tree<'a>, index: usize) -> Result<&'n mut Node<'a>, Failure> {
     let material = tree.root_mut().get_mut("materials").and_then(|list| list.item_mut(index));
     material.ok_or_else(|| Failure::cannot(format!("/materials/{index} is missing")))
+}
+
+/// Whoever asked for a change and gets the same file made a mistake.
+fn nothing_changes(args: &EditArgs, target: &TargetArgs, chosen: &[usize]) -> Failure {
+    let file = shown(&target.load.input);
+    if args.from_base_color {
+        let (why, advice) = ("no material has paint", "`nephrite inspect` shows base colours");
+        return Failure::advise(format!("{file}: nothing changes, and nothing is written: {why}"), advice);
+    }
+    let (why, advice) = match (chosen.len(), args.remove) {
+        (0, _) => ("it has no materials", "give its meshes a material first"),
+        (1, true) => ("the material has no medium that could be removed", "`nephrite inspect` lists media"),
+        (_, true) => {
+            ("none of the materials has a medium that could be removed", "`nephrite inspect` lists media")
+        }
+        (1, false) => ("the material is like that already", "`nephrite inspect` says what it has"),
+        (_, false) => ("the materials are like that already", "`nephrite inspect` says what they have"),
+    };
+    Failure::advise(format!("{file}: nothing changes, and nothing is written: {why}"), advice)
 }
 
 fn edit(

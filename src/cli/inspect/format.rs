@@ -41,11 +41,6 @@ fn unit(length: f32) -> (&'static str, f32) {
     UNITS.into_iter().find(|(_, metres)| length >= *metres).unwrap_or(("m", 1.0))
 }
 
-/// “1 hole”, “2 holes”.
-pub(super) fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@
 //! | `single_scattering_albedo` | α = σs / σt | survival at one event |
 //! | `effective_albedo` | ρ = (1 − s)(1 − 0.139 s) / (1 + 1.17 s), s = √((1 − α) / (1 − g α)) | diffuse reflectance of infinite depth without a boundary, van de Hulst's fit (Multiple Light Scattering, 1980, via Kulla and Conty 2017) |
 
+use super::lamps::{LampReport, lamps};
 use crate::cli::pipeline::{Diagnostic, Loaded, Summary};
 use crate::scene::{Analysed, InstanceDescription, MediumDescription, SceneDescription};
 use glam::{DVec3, Vec3};
@@ -23,6 +24,8 @@ pub(super) struct Report<'a> {
     #[serde(flatten)]
     pub summary: &'a Summary,
     pub objects: usize,
+    /// Materials that emit.
+    pub lamps: Vec<LampReport>,
     pub media: Vec<MediumReport>,
     pub diagnostics: &'a [Diagnostic],
 }
@@ -75,6 +78,7 @@ impl<'a> Report<'a> {
             file: file.to_string_lossy().into_owned(),
             summary: &loaded.summary,
             objects: loaded.scene.instances.len(),
+            lamps: lamps(&loaded.scene),
             media: media(&loaded.scene),
             diagnostics: &loaded.diagnostics,
         }

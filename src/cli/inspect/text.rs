@@ -1,16 +1,19 @@
 //! An inspection for people.
 
-use super::format::{count, length, lengths, number, triple};
+use super::format::{length, lengths, number, triple};
+use super::lamps::{describe_lamp, describe_light};
 use super::report::{MediumReport, ObjectReport, Report};
 use crate::asset::AnimationSummary;
-use crate::cli::message::grouped;
-use crate::cli::message::{also_in, printable};
+use crate::cli::message::{also_in, grouped, printable};
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
 use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
 
 /// The most animations that are listed.
 const MOST_ANIMATIONS: usize = 50;
+
+/// The most lights that are listed.
+const MOST_LIGHTS: usize = 50;
 
 /// The most names on one line.
 const MOST_NAMES: usize = 6;
@@ -42,11 +45,11 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
         n => format!("; {n} scenes: {}", names(summary.scenes.iter().map(String::as_str))),
     };
     let geometry = format!(
-        "{} of {}, {} triangles, {} vertices{scenes}",
+        "{} of {}, {}, {}{scenes}",
         count(report.objects, "object", "objects"),
         count(scene.meshes.len(), "mesh", "meshes"),
-        summary.instanced_triangles,
-        summary.vertices
+        count(summary.instanced_triangles, "triangle", "triangles"),
+        count(summary.vertices, "vertex", "vertices")
     );
     line(out, "geometry", &geometry)?;
     let cameras: Vec<String> = scene.cameras.iter().map(camera).collect();
@@ -56,6 +59,7 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
     };
     line(out, "cameras", &cameras)?;
     line(out, "lights", &lights(scene))?;
+    each_light(out, report)?;
     if !summary.animations.is_empty() {
         animations(out, &summary.animations)?;
     }
@@ -108,10 +112,13 @@ fn lights(scene: &SceneDescription) -> String {
         (is_kind(|k| matches!(k, PunctualKind::Point)), "point"),
         (is_kind(|k| matches!(k, PunctualKind::Spot { .. })), "spot"),
         (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
-        (scene.materials.iter().filter(|m| is_lamp(m)).count(), "emissive materials"),
     ];
-    let found: Vec<String> =
+    let mut found: Vec<String> =
         kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();
+    match scene.materials.iter().filter(|m| is_lamp(m)).count() {
+        0 => {}
+        n => found.push(count(n, "emissive material", "emissive materials")),
+    }
     match (found.is_empty(), is_lit(scene)) {
         (true, false) => "none: the built-in studio will light it".to_owned(),
         (true, true) => "an environment".to_owned(),
@@ -120,6 +127,19 @@ fn lights(scene: &SceneDescription) -> String {
             format!("{}, none of them visible: the built-in studio will light it", found.join(", "))
         }
     }
+}
+
+/// Every light, with its power and its place.
+fn each_light(out: &mut String, report: &Report<'_>) -> std::fmt::Result {
+    let summary = report.summary;
+    let of_blender = summary.generator.as_ref().is_some_and(|generator| generator.contains("Blender"));
+    let punctual = summary.lights.iter().map(|light| (light.kind, describe_light(light, of_blender)));
+    let lamps = report.lamps.iter().map(|lamp| ("emissive", describe_lamp(lamp)));
+    for (kind, text) in punctual.chain(lamps).take(MOST_LIGHTS) {
+        line(out, &format!("  {kind}"), &text)?;
+    }
+    let more = (summary.lights.len() + report.lamps.len()).saturating_sub(MOST_LIGHTS);
+    if more > 0 { line(out, "", &format!("and {more} more")) } else { Ok(()) }
 }
 
 fn describe_medium(out: &mut String, medium: &MediumReport) -> std::fmt::Result {
@@ -219,4 +239,9 @@ fn names<'a>(all: impl ExactSizeIterator<Item = &'a str>) -> String {
     let shown: Vec<&str> = all.take(MOST_NAMES).collect();
     let more = if n > MOST_NAMES { format!(" and {} more", n - MOST_NAMES) } else { String::new() };
     shown.join(", ") + &more
+}
+
+/// “1 hole”, “2 holes”.
+fn count(n: usize, one: &str, many: &str) -> String {
+    crate::cli::message::count(n as u64, one, many)
 }

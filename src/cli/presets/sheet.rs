@@ -4,7 +4,7 @@ use crate::cli::Failure;
 use crate::cli::author_args::PresetsArgs;
 use crate::cli::interrupt;
 use crate::cli::job::{cannot_write, check_output};
-use crate::cli::message::Reporter;
+use crate::cli::message::{Reporter, count};
 use crate::cli::pipeline::{self, Registry, RenderControl, RenderOptions};
 use crate::cli::progress::Progress;
 use crate::film::ToneMap;
@@ -59,8 +59,9 @@ pub(super) fn run(args: &PresetsArgs, presets: &[&Preset]) -> Result<(), Failure
 /// How it was made, and the sources of what is on it.
 fn footer(args: &PresetsArgs, presets: &[&Preset]) -> String {
     let mut text = format!(
-        "Spheres of {} mm radius in the built-in studio, {} samples a pixel, random walk, PBR Neutral.",
-        args.radius, args.spp
+        "Spheres of {} mm radius in the built-in studio, {} a pixel, random walk, PBR Neutral.",
+        args.radius,
+        count(args.spp.into(), "sample", "samples")
     );
     for source in Source::ALL.into_iter().filter(|source| presets.iter().any(|p| p.source == *source)) {
         text += &format!(" [{}] {}.", source.letter(), source.citation());

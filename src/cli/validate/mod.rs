@@ -1,38 +1,75 @@
-//! `nephrite validate`: what is wrong with the media of a file; ends with 1 if anything is.
+//! `nephrite validate`: what is wrong with the media of files; ends with 1 if anything is.
 
 use super::Failure;
+use super::args::LoadArgs;
 use super::author_args::ValidateArgs;
-use super::authored::cannot_read;
-use super::message::{also_in, grouped, printable};
-use crate::asset::{LoadOptions, Severity, load_bytes};
-use crate::author::{AuthoredFile, check};
-use crate::film::atomic::directory_of;
-use serde_json::json;
+use super::authored;
+use super::documents::{Documents, shown};
+use super::message::{also_in, count, grouped, printable, write_out};
+use super::pipeline::load_options;
+use crate::asset::{Diagnostic, LoadOptions, Severity};
+use crate::author::check;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
+
+/// What was found in one file.
+struct Checked {
+    file: String,
+    found: Vec<Diagnostic>,
+}
 
 /// Validates as the arguments say.
 pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    let options =
-        LoadOptions { scene: args.scene, weld_tolerance: args.weld_tolerance, ..Default::default() };
-    let file = AuthoredFile::read(&args.input, &options.limits).map_err(|e| cannot_read(&args.input, &e))?;
-    let loaded = load_bytes(file.bytes().to_vec(), &directory_of(&args.input), &options);
-    let found = check::check(&file, loaded.as_ref());
-    let count = |severity: Severity| found.iter().filter(|d| d.severity == severity).count();
-    let [errors, warnings, notes] = [Severity::Error, Severity::Warning, Severity::Note].map(count);
-    let mut text = String::new();
-    if args.json {
-        let report = json!({
-            "file": args.input.to_string_lossy(),
-            "valid": errors == 0,
-            "errors": errors,
-            "warnings": warnings,
-            "notes": notes,
-            "findings": found,
-        });
-        text = format!("{report:#}\n");
-    } else {
-        for (diagnostic, more) in grouped(&found) {
+    let all = Documents::all(&args.load.input)?;
+    let mut reports = Vec::new();
+    let mut is_first = true;
+    let result = all.each(|document| {
+        let load = LoadArgs { input: document.to_owned(), ..args.load.clone() };
+        let checked = Checked::new(&load, args.scene)?;
+        if args.json {
+            reports.push(checked.json());
+        } else {
+            let between = if std::mem::take(&mut is_first) { "" } else { "\n" };
+            write_out(&format!("{between}{}", checked.text()))?;
+        }
+        match checked.number(Severity::Error) {
+            0 => Ok(()),
+            n => Err(Failure::cannot(format!("{} has {}", checked.file, count(n as u64, "error", "errors")))),
+        }
+    });
+    let report = if all.are_several() { Some(Value::Array(reports)) } else { reports.pop() };
+    if let Some(report) = report.filter(|_| args.json) {
+        write_out(&format!("{report:#}\n"))?;
+    }
+    result
+}
+
+impl Checked {
+    fn new(args: &LoadArgs, scene: Option<usize>) -> Result<Self, Failure> {
+        let options = load_options(args, LoadOptions { scene, ..Default::default() });
+        let file = authored::read(args, &options)?;
+        let loaded = authored::load(args, file.bytes(), &options);
+        Ok(Self { file: shown(&args.input), found: check::check(&file, loaded.as_ref()) })
+    }
+
+    fn number(&self, severity: Severity) -> usize {
+        self.found.iter().filter(|d| d.severity == severity).count()
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "file": self.file,
+            "valid": self.number(Severity::Error) == 0,
+            "errors": self.number(Severity::Error),
+            "warnings": self.number(Severity::Warning),
+            "notes": self.number(Severity::Note),
+            "findings": self.found,
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for (diagnostic, more) in grouped(&self.found) {
             let kind = match diagnostic.severity {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
@@ -42,23 +79,9 @@ pub(super) fn run(args: &ValidateArgs) -> Result<(), Failure> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{kind}: {}{more}", printable(&diagnostic.to_string()));
         }
-        let file = args.input.display().to_string();
-        let _ = writeln!(text, "{}: {}", printable(&file), counted([errors, warnings, notes]));
+        let numbers = [(Severity::Error, "error"), (Severity::Warning, "warning"), (Severity::Note, "note")];
+        let numbers = numbers.map(|(s, name)| count(self.number(s) as u64, name, &format!("{name}s")));
+        let _ = writeln!(text, "{}: {}", printable(&self.file), numbers.join(", "));
+        text
     }
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(Failure::cannot(error)),
-        _ => {}
-    }
-    match errors {
-        0 => Ok(()),
-        1 => Err(Failure::cannot(format!("{} has 1 error", args.input.display()))),
-        n => Err(Failure::cannot(format!("{} has {n} errors", args.input.display()))),
-    }
-}
-
-/// “1 error, 2 warnings, 0 notes”.
-fn counted(counts: [usize; 3]) -> String {
-    let named = counts.into_iter().zip(["error", "warning", "note"]);
-    let named = named.map(|(n, what)| format!("{n} {what}{}", if n == 1 { "" } else { "s" }));
-    named.collect::<Vec<_>>().join(", ")
 }
