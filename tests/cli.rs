@@ -22,6 +22,10 @@ mod machine;
 #[cfg(unix)]
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/paint.rs"]
+mod paint;
+#[path = "cli/painted_files.rs"]
+mod painted_files;
 #[path = "cli/presets.rs"]
 mod presets;
 #[path = "cli/profile.rs"]

@@ -37,6 +37,7 @@ mod mesh;
 mod morph;
 mod node;
 mod opened;
+pub(crate) mod painting;
 mod place;
 mod pose;
 mod primitive;

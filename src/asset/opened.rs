@@ -128,10 +128,16 @@ impl Asset {
         Ok(loaded)
     }
 
-    fn load_with(&self, cache: Cache, moment: &Moment) -> Result<(Loaded, Cache), AssetError> {
+    /// A loader that has read nothing yet.
+    pub(crate) fn loader(&self) -> Loader<'_> {
         let mut loader = Loader::new(&self.document, &self.options, self.folder.as_deref());
         loader.totals.file_bytes = self.file_bytes;
         loader.bin = self.bin.clone();
+        loader
+    }
+
+    fn load_with(&self, cache: Cache, moment: &Moment) -> Result<(Loaded, Cache), AssetError> {
+        let mut loader = self.loader();
         loader.cache = cache;
         for oddity in &self.oddities {
             loader.invalid("", oddity)?;
@@ -159,6 +165,9 @@ impl Asset {
         loader.rebase();
         loader.drop_repeated_objects();
         loader.decode_images()?;
+        for extension in self.options.registry.iter() {
+            extension.finish(&mut loader)?;
+        }
         loader.afterthoughts(!moment.animations.is_empty())?;
         let summary = Summary::new(&loader, extensions, animations);
         let cache = std::mem::take(&mut loader.cache);

@@ -77,8 +77,22 @@ impl AuthoredFile {
     /// # Errors
     /// Where a GLB would be larger than its header can say, 4 GiB.
     pub fn with_document(&self, text: &str) -> Result<Vec<u8>, AssetError> {
+        self.with_document_and_data(text, &[])
+    }
+
+    /// Length of the binary chunk of a GLB, if it has one.
+    pub fn chunk_length(&self) -> Option<usize> {
+        self.parts.bin.as_ref().map(|range| range.len())
+    }
+
+    /// As [`with_document`](Self::with_document), with `data` behind the binary chunk of a GLB, from a multiple of four on;
+    /// without such a chunk it becomes one. A `.gltf` gets none of it.
+    ///
+    /// # Errors
+    /// As [`with_document`](Self::with_document).
+    pub fn with_document_and_data(&self, text: &str, data: &[u8]) -> Result<Vec<u8>, AssetError> {
         let json = &self.parts.json;
-        if self.bytes.get(json.clone()) == Some(text.as_bytes()) {
+        if data.is_empty() && self.bytes.get(json.clone()) == Some(text.as_bytes()) {
             return Ok(self.bytes.clone());
         }
         if !self.is_binary() {
@@ -91,12 +105,8 @@ impl AuthoredFile {
         let padding = text.len().wrapping_neg() & 3;
         let chunk = text.len() + padding;
         let rest = self.bytes.get((json.end + 3) & !3..self.declared_length()).unwrap_or_default();
-        let size = |n: usize| {
-            u32::try_from(n).map(u32::to_le_bytes).map_err(|_| AssetError::Container {
-                message: format!("{n} bytes do not fit into a GLB"),
-                advice: Some("keep the document in a .gltf beside its buffers".to_owned()),
-            })
-        };
+        let mut longer = Vec::new();
+        let rest = if data.is_empty() { rest } else { self.lengthen(rest, data, &mut longer)? };
         let total = HEADERS + chunk + rest.len();
         let mut bytes = Vec::with_capacity(total);
         bytes.extend_from_slice(&self.bytes[..8]);
@@ -109,6 +119,23 @@ impl AuthoredFile {
         Ok(bytes)
     }
 
+    /// The chunks behind the document, with `data` at the end of the first of them, in `out`.
+    fn lengthen<'o>(&self, rest: &[u8], data: &[u8], out: &'o mut Vec<u8>) -> Result<&'o [u8], AssetError> {
+        let old = self.parts.bin.clone().and_then(|range| self.bytes.get(range)).unwrap_or_default();
+        let padded = old.len().next_multiple_of(4);
+        let length = (padded + data.len()).next_multiple_of(4);
+        out.extend_from_slice(&size(length)?);
+        out.extend_from_slice(b"BIN\0");
+        const HEADER: usize = 8;
+        out.extend_from_slice(old);
+        out.resize(HEADER + padded, 0);
+        out.extend_from_slice(data);
+        out.resize(HEADER + length, 0);
+        let behind = if self.parts.bin.is_some() { HEADER + padded } else { 0 };
+        out.extend_from_slice(rest.get(behind..).unwrap_or_default());
+        Ok(out)
+    }
+
     /// The length that the header of a GLB states, at most that of the file.
     fn declared_length(&self) -> usize {
         let stated = self.bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
@@ -119,6 +146,14 @@ impl AuthoredFile {
     pub fn resources(&self) -> Vec<(String, String)> {
         uri::named_in(&self.document)
     }
+}
+
+/// A length as a GLB has it.
+fn size(n: usize) -> Result<[u8; 4], AssetError> {
+    u32::try_from(n).map(u32::to_le_bytes).map_err(|_| AssetError::Container {
+        message: format!("{n} bytes do not fit into a GLB"),
+        advice: Some("keep the document in a .gltf beside its buffers".to_owned()),
+    })
 }
 
 /// The path, relative to `folder`, of the file that a URI of a document there names, and its content.

@@ -3,8 +3,8 @@
 //! A document is changed as text ([`text`]): what nobody asked to change keeps every byte. [`file`](mod@file) takes
 //! `.gltf` and `.glb` apart and puts them together again, [`medium`] reads the medium of a material from whichever
 //! description wins, [`nephrite`], [`khronos`] and [`openpbr`] write it, [`bodies`] knows how large the objects are,
-//! and [`check`] finds what is wrong with all of it. All numbers are doubles: what is converted there and back should
-//! come back.
+//! [`paint`] makes coefficient textures of base colours, and [`check`] finds what is wrong with all of it. All numbers are
+//! doubles: what is converted there and back should come back.
 
 pub mod bodies;
 pub mod check;
@@ -13,6 +13,7 @@ pub mod khronos;
 pub mod medium;
 pub mod nephrite;
 pub mod openpbr;
+pub mod paint;
 pub mod text;
 
 pub use file::AuthoredFile;

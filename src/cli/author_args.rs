@@ -39,9 +39,11 @@ pub(super) struct TargetArgs {
 
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
-    nephrite edit cow.glb -o jade-cow.glb --material Cow --preset marble\n  \
+    nephrite edit cow.glb -o jade-cow.glb --material Cow --preset jade\n  \
     nephrite edit milk.gltf --in-place --material 0 --absorption 0.0014,0.0025,0.0142 --scattering 0.7,1.22,1.9 --unit mm\n  \
-    nephrite edit soap.glb -o soap2.glb --material '*' --color 0.8,0.3,0.2 --mean-free-path 1,0.5,0.3 --unit mm\n\n\
+    nephrite edit soap.glb -o soap2.glb --material '*' --color 0.8,0.3,0.2 --mean-free-path 1,0.5,0.3 --unit mm\n  \
+    nephrite edit painted.glb -o candy.glb --material '*' --from-base-color --mean-free-path 0.5 --unit mm --fix-surface\n\n\
+    Presets are listed by `nephrite presets`, with their sources.\n\n\
     --color is what one sees straight on in uniform light, without the reflection of the surface: of the light that \
     enters, the share that comes out again. The index and the anisotropy are accounted for.\n\n\
     Only what is asked for changes; everything else keeps every byte. The same medium is also written as \
@@ -54,7 +56,8 @@ pub(super) struct EditArgs {
     #[arg(short, long, value_name = "NAME|INDEX|*")]
     pub material: Vec<String>,
 
-    /// A measured medium (see `nephrite presets`); options beside it change it
+    /// A medium by its name, such as marble, jade, wax, soap, amber, leaf, gummy or skin-iv; `nephrite presets` lists
+    /// them all. Options beside it change it
     #[arg(long, value_name = "NAME", value_parser = preset)]
     pub preset: Option<&'static Preset>,
 
@@ -98,22 +101,31 @@ pub(super) struct EditArgs {
     #[arg(long, value_name = "R,G,B", value_parser = lengths, conflicts_with_all = ["absorption", "scattering"])]
     pub mean_free_path: Option<[f64; 3]>,
 
+    /// Take the colours to be seen from the base colour, its texture and vertex colours, as coefficient textures, and make
+    /// the base colour white; with the mean free path that is given or that of the medium
+    #[arg(long, conflicts_with_all = ["absorption", "scattering", "color", "absorption_texture", "scattering_texture"])]
+    pub from_base_color: bool,
+
     /// Unit of length of coefficients, which are its inverse, and of mean free paths: m, cm or mm
     #[arg(long, value_name = "UNIT", default_value = "m", value_parser = length_unit)]
     pub unit: LengthUnit,
 
-    /// Also set what would hide or tint the medium: metallic 0, base colour white, alpha mode opaque
+    /// Also set what would hide or tint the medium: metallic 0, base colour white, no vertex colours, alpha mode opaque
     #[arg(long)]
     pub fix_surface: bool,
 
     /// Remove the medium, and the fallback for other viewers where it is as this command writes it
     #[arg(long, conflicts_with_all = ["preset", "absorption", "scattering", "anisotropy", "ior", "density", "priority",
-        "absorption_texture", "scattering_texture", "color", "mean_free_path", "fix_surface"])]
+        "absorption_texture", "scattering_texture", "color", "mean_free_path", "from_base_color", "fix_surface"])]
     pub remove: bool,
 
     /// Leave the extensions for other viewers as they are
     #[arg(long)]
     pub no_fallback: bool,
+
+    /// Where nothing changes, write the same file instead of failing, as scripts may want that repeat an edit
+    #[arg(long)]
+    pub allow_unchanged: bool,
 }
 
 #[derive(Clone, Debug, clap::Args)]
@@ -136,8 +148,14 @@ pub(super) struct ConvertArgs {
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     nephrite presets\n  \
-    nephrite presets -o presets.png")]
+    nephrite presets jade\n  \
+    nephrite presets skin marble -o stones-and-skins.png --spp 64\n\n\
+    Coefficients are per millimetre. What nobody measured is an estimate of ours, and says so.")]
 pub(super) struct PresetsArgs {
+    /// Only presets with these words in one of their names; a few of them are told in full
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
+
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -149,6 +167,10 @@ pub(super) struct PresetsArgs {
     /// Radius of the spheres on the sheet in millimetres
     #[arg(long, value_name = "MM", default_value_t = 10.0, requires = "output", value_parser = super::values::positive)]
     pub radius: f32,
+
+    /// Pixels of a side of each picture on the sheet
+    #[arg(long, value_name = "PIXELS", default_value_t = 140, requires = "output", value_parser = clap::value_parser!(u32).range(16..=1024))]
+    pub side: u32,
 
     /// Samples a pixel on the sheet
     #[arg(long, value_name = "N", default_value_t = 8, requires = "output", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]

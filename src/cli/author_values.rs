@@ -103,7 +103,13 @@ pub(super) fn texture(text: &str) -> Result<TextureArg, String> {
 }
 
 pub(super) fn preset(text: &str) -> Result<&'static Preset, String> {
-    Preset::named(text).ok_or_else(|| names::unknown("preset", text, Preset::all().map(|preset| preset.name)))
+    Preset::named(text).ok_or_else(|| unknown_preset(text))
+}
+
+/// What is said of a preset that is not there.
+pub(super) fn unknown_preset(text: &str) -> String {
+    let unknown = names::unknown("preset", text, Preset::all_names());
+    format!("{unknown}; `nephrite presets` lists them all")
 }
 
 pub(super) fn form(text: &str) -> Result<Form, String> {
@@ -180,7 +186,12 @@ mod tests {
         assert!(color("0.2,0.3,1.1").is_err() && lengths("1,0,1").is_err());
         assert!(anisotropy("1").is_err() && anisotropy("-0.9").is_ok());
         assert!(ior("0.9").is_err() && density("-1").is_err() && texture("x").is_err());
-        assert!(preset("marbel").unwrap_err().contains("did you mean marble"));
+        let unknown = preset("marbel").unwrap_err();
+        assert!(
+            unknown.contains("did you mean marble") && unknown.contains("`nephrite presets`"),
+            "{unknown}"
+        );
+        assert!(preset("candel").unwrap_err().contains("did you mean candle"));
         assert!(form("openpr").unwrap_err().contains("did you mean openpbr"));
     }
 }

@@ -6,11 +6,15 @@
 use super::Failure;
 use super::args::LoadArgs;
 use super::author_args::TargetArgs;
+use super::beside::{self, NewFile};
 use super::documents::{Documents, check_folder, is_standard_input, shown};
 use super::job::{cannot_write, check_output};
 use super::message::Reporter;
 use super::pipeline::load_options;
-use crate::asset::{AssetError, LoadOptions, Loaded, load_bytes, load_stream};
+use crate::asset::painting::Painting;
+use crate::asset::{Asset, AssetError, LoadOptions, Loaded, load_bytes, load_stream};
+use crate::author::paint::images::{self, NewImages, Place};
+use crate::author::text::Tree;
 use crate::author::{AuthoredFile, file};
 use crate::film::atomic::{directory_of, write_atomically};
 use std::path::{Path, PathBuf};
@@ -118,27 +122,92 @@ impl<'a> Authored<'a> {
         self.file.with_document(text).is_ok_and(|bytes| bytes == self.file.bytes())
     }
 
+    /// The paint of materials.
+    pub fn painting(&self, materials: &[usize]) -> Result<Painting, Failure> {
+        let asset = Asset::from_bytes(
+            self.file.bytes().to_vec(),
+            &directory_of(&self.args.load.input),
+            &self.options,
+        );
+        asset.and_then(|asset| asset.painting(materials)).map_err(|e| cannot_read(&self.args.load.input, &e))
+    }
+
     /// Writes the file with another document, and says what the loader thinks of the materials `changed`.
     pub fn write(&self, text: &str, changed: &[usize], reporter: &Reporter) -> Result<(), Failure> {
-        let output = self.args.written();
         let bytes = self.file.with_document(text).map_err(|e| cannot_read(&self.args.load.input, &e))?;
+        self.check(bytes.clone(), changed, reporter)?;
+        self.finish(&bytes, Vec::new())
+    }
+
+    /// As [`write`](Self::write), with images that are added to the document.
+    pub fn write_with_images(
+        &self,
+        mut tree: Tree<'_>,
+        images: &NewImages,
+        changed: &[usize],
+        reporter: &Reporter,
+    ) -> Result<(), Failure> {
+        if images.is_empty() {
+            return self.write(&tree.to_string(), changed, reporter);
+        }
+        let unreadable = |e: AssetError| cannot_read(&self.args.load.input, &e);
+        let place = images::place_inside(&self.file);
+        if self.file.is_binary() {
+            images.attach(&mut tree, place);
+            let data = if matches!(place, Place::Chunk(_)) { images.chunk() } else { Vec::new() };
+            let bytes = self.file.with_document_and_data(&tree.to_string(), &data).map_err(unreadable)?;
+            self.check(bytes.clone(), changed, reporter)?;
+            return self.finish(&bytes, Vec::new());
+        }
+        // What is loaded has the images in the document: their files are not there yet.
+        let mut inside = tree.clone();
+        images.attach(&mut inside, Place::Document);
+        let bytes = self.file.with_document(&inside.to_string()).map_err(unreadable)?;
+        self.check(bytes, changed, reporter)?;
+        let files = beside::files(self.args.written(), images)?;
+        let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+        images.attach(&mut tree, Place::Files(&names));
+        let bytes = self.file.with_document(&tree.to_string()).map_err(unreadable)?;
+        self.finish(&bytes, files)
+    }
+
+    /// Loads what is to be written.
+    fn check(&self, bytes: Vec<u8>, changed: &[usize], reporter: &Reporter) -> Result<(), Failure> {
         match load(&self.args.load, &bytes, &self.options) {
             Ok(mut result) => {
                 let places: Vec<String> = changed.iter().map(|i| format!("/materials/{i}/")).collect();
+                let surfaces: Vec<String> = changed.iter().map(|i| format!("material {i} ")).collect();
                 result.diagnostics.retain(|d| {
-                    d.severity > crate::asset::Severity::Note
-                        && places.iter().any(|p| d.pointer.starts_with(p))
+                    let of_material = places.iter().any(|p| d.pointer.starts_with(p));
+                    let of_vertices = d.pointer.ends_with("/COLOR_0")
+                        && surfaces.iter().any(|surface| d.message.contains(surface));
+                    d.severity > crate::asset::Severity::Note && (of_material || of_vertices)
                 });
                 reporter.diagnostics(&result.diagnostics);
+                Ok(())
             }
             // What could not be loaded before is not the fault of the change.
-            Err(_) if self.loaded.is_err() => {}
-            Err(error) => return Err(cannot_read(output, &error)),
+            Err(_) if self.loaded.is_err() => Ok(()),
+            Err(error) => Err(cannot_read(self.args.written(), &error)),
         }
-        let copied = self.copy_resources()?;
-        let written = write_atomically(output, |out| out.write_all(&bytes));
+    }
+
+    /// Writes files beside the document, and then the document.
+    fn finish(&self, bytes: &[u8], beside: Vec<NewFile>) -> Result<(), Failure> {
+        let mut made = self.copy_resources()?;
+        let remove = |made: &[PathBuf]| made.iter().for_each(|path| drop(std::fs::remove_file(path)));
+        for NewFile { path, bytes, .. } in beside.into_iter().filter(|file| file.is_new) {
+            let written: std::io::Result<()> = write_atomically(&path, |out| out.write_all(&bytes));
+            if let Err(error) = written {
+                remove(&made);
+                return Err(cannot_write(&path, error));
+            }
+            made.push(path);
+        }
+        let output = self.args.written();
+        let written = write_atomically(output, |out| out.write_all(bytes));
         if let Err(error) = written {
-            copied.iter().for_each(|path| drop(std::fs::remove_file(path)));
+            remove(&made);
             return Err(cannot_write(output, error));
         }
         Ok(())

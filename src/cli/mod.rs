@@ -16,6 +16,7 @@ mod args;
 mod author_args;
 mod author_values;
 mod authored;
+mod beside;
 mod compare;
 mod conformance;
 mod conformance_args;

@@ -253,9 +253,8 @@ pub(super) fn tone_map(text: &str) -> Result<ToneMap, String> {
 
 pub(super) fn medium(text: &str) -> Result<MediumArg, String> {
     if !text.contains(',') {
-        let presets = Preset::all().map(|preset| preset.name);
         return Preset::named(text).map(MediumArg::Preset).ok_or_else(|| {
-            let unknown = names::unknown("preset", text, presets);
+            let unknown = names::unknown("preset", text, Preset::all_names());
             format!("{unknown}; or give four numbers σa,σs,g,η")
         });
     }

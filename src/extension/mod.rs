@@ -29,6 +29,7 @@ mod mesh_quantization;
 mod meshopt;
 mod node_visibility;
 mod scatter;
+mod seen_surface;
 mod sheen;
 mod specular;
 mod specular_glossiness;
@@ -95,6 +96,15 @@ pub trait Extension: Send + Sync {
         out: &mut MaterialDescription,
     ) -> Result<(), AssetError> {
         let _ = (loader, own, material, out);
+        Ok(())
+    }
+
+    /// Called once everything has been read and images are decoded: what can be said only of the whole.
+    ///
+    /// # Errors
+    /// Where the load is strict, and something is against the rules.
+    fn finish(&self, loader: &mut Loader<'_>) -> Result<(), AssetError> {
+        let _ = loader;
         Ok(())
     }
 

@@ -7,12 +7,12 @@
 use glam::Vec3;
 
 use super::volume::MAX_COEFFICIENT;
-use super::{Extension, dispersion, ior, order, transmission};
+use super::{Extension, dispersion, ior, order, seen_surface, transmission};
 use crate::asset::PropertyKind::{self, Float, Float3};
 use crate::asset::{AssetError, Json, Loader, MutableProperty};
 use crate::scene::{AlphaMode, ColorSpace, MaterialDescription, MediumDescription};
 
-const NAME: &str = "NEPHRITE_materials_subsurface";
+pub(super) const NAME: &str = "NEPHRITE_materials_subsurface";
 
 const PROPERTIES: [&str; 10] = [
     "absorptionCoefficient",
@@ -60,9 +60,6 @@ const fn mutable(template: &'static str, kind: PropertyKind, range: [f64; 2]) ->
 
 /// The index where nothing states one.
 const DEFAULT_IOR: f32 = 1.5;
-
-/// Below this linear base colour a warning says that every crossing of the boundary is tinted.
-const NEARLY_WHITE: f32 = 0.8;
 
 /// Mean free paths below this many metres are shorter than a wavelength: radiative transfer means nothing there.
 const SHORTEST_FREE_PATH: f32 = 1e-7;
@@ -135,6 +132,15 @@ impl Extension for Subsurface {
         out.medium = Some(medium);
         Ok(())
     }
+
+    fn finish(&self, loader: &mut Loader<'_>) -> Result<(), AssetError> {
+        for index in 0..loader.scene.materials.len() {
+            if loader.entry("materials", index, "/materials")?.extension(NAME).is_some() {
+                seen_surface::warn(loader, index);
+            }
+        }
+        Ok(())
+    }
 }
 
 fn non_negative(own: &Json<'_>, key: &str, value: f64) -> Result<f64, AssetError> {
@@ -198,17 +204,6 @@ fn warn(loader: &mut Loader<'_>, own: &Json<'_>, material: &Json<'_>, out: &Mate
     if out.alpha_mode != AlphaMode::Opaque {
         let message = format!("alpha makes holes in a surface that {NAME} needs closed");
         loader.warn(&material.pointer_to("alphaMode"), message, Some("use OPAQUE"));
-    }
-    if out.metallic > 0.0 {
-        let pointer = format!("{}/metallicFactor", material.pointer_to("pbrMetallicRoughness"));
-        let message = format!("a metallic of {} hides the medium of {NAME} (the default is 1)", out.metallic);
-        loader.warn(&pointer, message, Some("set metallicFactor to 0"));
-    }
-    if out.base_color.truncate().min_element() < NEARLY_WHITE {
-        let pointer = format!("{}/baseColorFactor", material.pointer_to("pbrMetallicRoughness"));
-        let message =
-            "the base colour tints light at every crossing of the boundary, beside what the medium does";
-        loader.warn(&pointer, message, Some("set it to white and let the coefficients make the colour"));
     }
     if out.unlit {
         loader.warn(own.pointer(), "KHR_materials_unlit hides the medium", None);

@@ -36,6 +36,7 @@ mod reflectance;
 mod reflection_tables;
 mod rough_diffuse;
 pub mod seen_color;
+pub mod seen_color_table;
 mod sheen;
 pub mod spectrum;
 mod stack;

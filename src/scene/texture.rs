@@ -105,6 +105,11 @@ impl<'a> TextureSampler<'a> {
         top.lerp(bottom, fy)
     }
 
+    /// Width and height of the image.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.image.width, self.image.height]
+    }
+
     /// The mean of all texels, decoded: what a light or a medium with this texture amounts to as a whole.
     pub fn mean(&self) -> Vec4 {
         let (w, h) = (self.image.width, self.image.height);
@@ -118,7 +123,7 @@ impl<'a> TextureSampler<'a> {
 
     /// One texel, decoded; `x` and `y` are in range.
     #[inline]
-    fn texel(&self, x: u32, y: u32) -> Vec4 {
+    pub(crate) fn texel(&self, x: u32, y: u32) -> Vec4 {
         let at = 4 * (y as usize * self.image.width as usize + x as usize);
         match (&self.image.pixels, self.reference.color_space) {
             (ImagePixels::Rgba8(p), space) => {

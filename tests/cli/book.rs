@@ -28,7 +28,7 @@ const REDUCED: [(&str, &str, &[&str]); 4] = [
     ("render", "", &["--size", "16x12", "--spp", "1"]),
     ("compare-models", "", &["--size", "16x12", "--spp", "2", "--reference-spp", "2"]),
     ("profile", "", &["--paths", "1000"]),
-    ("presets", "-o", &["--spp", "1", "--radius", "0.001"]),
+    ("presets", "-o", &["--spp", "1", "--radius", "0.001", "--side", "16"]),
 ];
 
 /// Cases that take less than a second with the samples that they ask for.
@@ -37,7 +37,8 @@ const CASES: [&str; 3] = ["absorption", "camera-inside", "khr-volume"];
 const REFERENCE: &str = "rough-06";
 
 /// Commands of other programs.
-const OTHERS: [&str; 11] = [
+const OTHERS: [&str; 14] = [
+    "blender -b scene.blend --python samples/from-blender/to_nephrite.py -- scene.glb",
     "cargo install --path .",
     "cargo test --release",
     "cargo test --release --test physics -- --ignored --nocapture colours_that_were_asked_for",
@@ -45,10 +46,12 @@ const OTHERS: [&str; 11] = [
     "mdbook build docs",
     "node -e \"require('gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync('milk.glb'))).then(r => console.log(JSON.stringify(r.issues, null, 2)))\"",
     "npm install gltf-validator",
+    "pip install bpy==4.5.15",
     "pip install bpy==5.0.1 numpy        # Python 3.11",
     "pip install mitsuba numpy",
     "python3 samples/make/build.py --meshes MESHES [NAME ...]",
     "python3 samples/conformance/make/build.py                  # Python 3.10 or newer, numpy",
+    "python3 samples/from-blender/to_nephrite.py scene.blend scene.glb",
 ];
 
 /// Pages with their text, paths relative to the repository.

@@ -260,4 +260,8 @@ fn an_edit_that_changes_nothing_says_so_and_fails() {
     sandbox.run(&args).exits(1).says(&["nothing changes", "no materials"]);
     assert_eq!(sandbox.files(), ["a.gltf", "m.gltf", "none.gltf"]);
     assert!(std::fs::read_to_string(sandbox.path("a.gltf")).unwrap() == wax());
+    sandbox.run(&[&args[..], &["--allow-unchanged"]].concat()).exits(0).says(&["nothing changed"]);
+    let copy = ["edit", "a.gltf", "-o", "c.gltf", "--allow-unchanged"];
+    sandbox.run(&copy).exits(0).says(&["wrote c.gltf (nothing changed)"]);
+    assert!(std::fs::read_to_string(sandbox.path("c.gltf")).unwrap() == wax());
 }

@@ -1,7 +1,9 @@
 //! What the options of `edit` make of a material's extension.
 
-use crate::author::medium::surface_ior;
-use crate::author::{nephrite, text::Node};
+use crate::author::medium::{self, surface_ior};
+use crate::author::paint::Basis;
+use crate::author::paint::coefficients::digits;
+use crate::author::{Medium, Reading, nephrite, text::Node};
 use crate::cli::Failure;
 use crate::cli::author_args::EditArgs;
 use crate::cli::author_values::TextureArg;
@@ -21,7 +23,7 @@ impl<'a> Change<'a> {
         if asked && args.material.is_empty() {
             return Err(Failure::Usage("say with --material which material to change".to_owned()));
         }
-        if !asked {
+        if !asked && !args.allow_unchanged {
             let which = if args.material.is_empty() { ", and with --material which material" } else { "" };
             let options = "say what to change: --preset, --absorption, --remove, …";
             return Err(Failure::Usage(format!("nothing would change; {options}{which}")));
@@ -48,6 +50,7 @@ impl<'a> Change<'a> {
             || a.scattering.is_some()
             || a.color.is_some()
             || a.mean_free_path.is_some()
+            || a.from_base_color
     }
 
     /// The members that the extension of a material is to have.
@@ -85,7 +88,9 @@ impl<'a> Change<'a> {
         if args.preset.is_some() {
             members.remove("densityFactor");
         }
-        if args.color.is_some() || args.mean_free_path.is_some() {
+        if args.from_base_color {
+            members.remove("densityFactor");
+        } else if args.color.is_some() || args.mean_free_path.is_some() {
             self.set_seen_color(material, index, &mut members)?;
         }
         if let Some(density) = args.density {
@@ -112,40 +117,72 @@ impl<'a> Change<'a> {
         index: usize,
         members: &mut Map<String, Value>,
     ) -> Result<(), Failure> {
-        let args = self.args;
-        let mut with = material.clone();
-        with["extensions"] = json!({ nephrite::NAME: members.clone() });
-        let ior = material.pointer("/extensions/KHR_materials_ior").map_or(1.5, |_| surface_ior(material));
-        let before = nephrite::read(&with).map(|reading| reading.medium);
-        let (g, eta) =
-            before.map_or((0.0, ior), |m| (m.g, if members.contains_key("ior") { m.ior } else { ior }));
-        let missing = |what: &str, option: &str| {
-            Failure::advise(
-                format!("/materials/{index}: the medium has no {what} that could be kept"),
-                format!("give {option}, too"),
-            )
-        };
-        let sigma_t = match args.mean_free_path {
-            Some(lengths) => lengths.map(|l| 1.0 / args.unit.metres(l)),
-            None => before
-                .map(|m| m.sigma_t())
-                .filter(|t| t.iter().all(|t| *t > 0.0))
-                .ok_or_else(|| missing("mean free path", "--mean-free-path"))?,
-        };
-        let shares: [[f64; 2]; 3] = match (args.color, before) {
-            (Some(color), _) => shares_of_colors(color, g, eta),
+        let before = medium_before(material, members);
+        let basis = self.basis(material, index, members)?;
+        let shares: [[f64; 2]; 3] = match (self.args.color, before) {
+            (Some(color), _) => shares_of_colors(color, basis.g, basis.ior),
             (None, Some(m)) if m.sigma_t().iter().all(|t| *t > 0.0) => {
                 [0, 1, 2].map(|i| [m.sigma_s[i] / m.sigma_t()[i], m.sigma_a[i] / m.sigma_t()[i]])
             }
-            (None, _) => return Err(missing("colour", "--color")),
+            (None, _) => return Err(missing(index, "colour", "--color")),
         };
         members.remove("densityFactor");
         for (key, share) in [("absorptionCoefficient", 1), ("scatteringCoefficient", 0)] {
-            let value = [0, 1, 2].map(|i| rounded(sigma_t[i] * shares[i][share]));
+            let value = [0, 1, 2].map(|i| digits(basis.sigma_t[i] * shares[i][share]));
             members.insert(key.to_owned(), json!(value));
         }
         Ok(())
     }
+
+    /// What colours are put into: the extinction of the mean free path that is given, else of the medium that `members`
+    /// and the material say; their anisotropy and index.
+    fn basis(&self, material: &Value, index: usize, members: &Map<String, Value>) -> Result<Basis, Failure> {
+        let before = medium_before(material, members);
+        let ior = material.pointer("/extensions/KHR_materials_ior").map_or(1.5, |_| surface_ior(material));
+        let (g, ior) =
+            before.map_or((0.0, ior), |m| (m.g, if members.contains_key("ior") { m.ior } else { ior }));
+        let sigma_t = match self.args.mean_free_path {
+            Some(lengths) => lengths.map(|l| 1.0 / self.args.unit.metres(l)),
+            None => before
+                .map(|m| m.sigma_t())
+                .filter(|t| t.iter().all(|t| *t > 0.0))
+                .ok_or_else(|| missing(index, "mean free path", "--mean-free-path"))?,
+        };
+        Ok(Basis { sigma_t, g, ior })
+    }
+
+    /// What the colours of a material's paint are put into; of a material that has no extension of ours yet, the medium
+    /// that another one describes counts.
+    pub fn basis_of_paint(&self, material: &Value, index: usize) -> Result<Basis, Failure> {
+        let mut members = self.applied_to(material, index)?;
+        let ours = material.pointer(&format!("/extensions/{}", nephrite::NAME)).is_some();
+        let other = medium::read(material).filter(|_| !ours && self.args.preset.is_none());
+        if let Some(Reading { medium, .. }) = other {
+            for (key, value) in [
+                ("absorptionCoefficient", json!(medium.sigma_a)),
+                ("scatteringCoefficient", json!(medium.sigma_s)),
+                ("scatterAnisotropy", json!(medium.g)),
+                ("ior", json!(medium.ior)),
+            ] {
+                members.entry(key).or_insert(value);
+            }
+        }
+        self.basis(material, index, &members)
+    }
+}
+
+/// The medium of a material whose extension has these members.
+fn medium_before(material: &Value, members: &Map<String, Value>) -> Option<Medium> {
+    let mut with = material.clone();
+    with["extensions"] = json!({ nephrite::NAME: members });
+    nephrite::read(&with).map(|reading| reading.medium)
+}
+
+fn missing(index: usize, what: &str, option: &str) -> Failure {
+    Failure::advise(
+        format!("/materials/{index}: the medium has no {what} that could be kept"),
+        format!("give {option}, too"),
+    )
 }
 
 /// Channels of one colour are inverted once.
@@ -158,11 +195,6 @@ fn shares_of_colors(color: [f64; 3], g: f64, eta: f64) -> [[f64; 2]; 3] {
         c => shares_of_seen_color(c, g, eta),
     };
     [red, green, blue]
-}
-
-/// Eight digits: more than a computed coefficient is good for.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.7e}").parse().unwrap_or(value)
 }
 
 /// Sets what would hide or tint a medium.

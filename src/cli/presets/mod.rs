@@ -1,31 +1,56 @@
-//! `nephrite presets`: the published media that come with the program, as a table, as JSON, and as pictures.
+//! `nephrite presets`: the media that come with the program, as a table, in full, as JSON, and as pictures.
 
 mod sheet;
+mod table;
 
 use super::Failure;
 use super::author_args::PresetsArgs;
-use crate::optics::presets::{Preset, Source};
+use super::author_values::unknown_preset;
+use crate::optics::presets::Preset;
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
+
+/// As many presets are told in full.
+const FEW: usize = 12;
 
 /// Lists or renders as the arguments say.
 pub(super) fn run(args: PresetsArgs) -> Result<(), Failure> {
+    let presets = chosen(&args.names)?;
     if args.output.is_some() {
-        return sheet::run(&args);
+        return sheet::run(&args, &presets);
     }
-    let text = if args.json { format!("{:#}\n", json()) } else { table() };
+    let text = if args.json {
+        format!("{:#}\n", json(&presets))
+    } else if args.names.is_empty() || presets.len() > FEW {
+        table::table(&presets)
+    } else {
+        table::in_full(&presets)
+    };
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::cannot(error)),
         _ => Ok(()),
     }
 }
 
+/// The presets with the words of any of these texts in one of their names, in the order of all; all without texts.
+fn chosen(names: &[String]) -> Result<Vec<&'static Preset>, Failure> {
+    for name in names {
+        if Preset::named(name).is_none() && !Preset::all().any(|preset| preset.matches(name)) {
+            return Err(Failure::Usage(unknown_preset(name)));
+        }
+    }
+    let wanted = |preset: &&'static Preset| {
+        names.is_empty()
+            || names.iter().any(|name| preset.matches(name) || Preset::named(name) == Some(*preset))
+    };
+    Ok(Preset::all().filter(wanted).collect())
+}
+
 /// Coefficients in 1/m.
-fn json() -> Value {
-    let preset = |preset: &Preset| {
+fn json(presets: &[&Preset]) -> Value {
+    let preset = |preset: &&Preset| {
         let one = preset.with_one_anisotropy();
-        json!({
+        let mut value = json!({
             "name": preset.name,
             "source": preset.source.citation(),
             "sigma_a": preset.sigma_a_per_mm.map(|v| 1000.0 * v),
@@ -38,43 +63,12 @@ fn json() -> Value {
                 "scatterAnisotropy": one.g,
                 "ior": one.eta,
             },
-        })
-    };
-    Preset::all().map(preset).collect()
-}
-
-fn table() -> String {
-    let mut text = String::new();
-    let mut source: Option<Source> = None;
-    for preset in Preset::all() {
-        // Writing to a string cannot fail.
-        if source != Some(preset.source) {
-            let before = if source.is_some() { "\n" } else { "" };
-            let _ = writeln!(text, "{before}{}", preset.source.citation());
-            let _ =
-                writeln!(text, "  {:<28}{:>27}{:>27}{:>21}{:>6}", "name", "σa / mm⁻¹", "σs / mm⁻¹", "g", "η");
-            source = Some(preset.source);
+            "other_names": preset.other_names().collect::<Vec<_>>(),
+        });
+        if !preset.note.is_empty() {
+            value["note"] = json!(preset.note);
         }
-        let triple = |v: [f64; 3]| v.map(short).join(" ");
-        let g = if preset.g == [0.0; 3] { "0".to_owned() } else { triple(preset.g) };
-        let _ = writeln!(
-            text,
-            "  {:<28}{:>27}{:>27}{g:>21}{:>6}",
-            preset.name,
-            triple(preset.sigma_a_per_mm),
-            triple(preset.sigma_s_per_mm),
-            preset.eta
-        );
-    }
-    text
-}
-
-/// At most four digits.
-fn short(v: f64) -> String {
-    if v == 0.0 {
-        return "0".to_owned();
-    }
-    let decimals = (3 - v.abs().log10().floor() as i32).clamp(0, 7) as usize;
-    let text = format!("{v:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+        value
+    };
+    presets.iter().map(preset).collect()
 }

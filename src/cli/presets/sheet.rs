@@ -18,9 +18,8 @@ use crate::scene::{
 };
 use glam::{Affine3A, Mat3, Vec3};
 
-/// Pixels of a picture, and columns of the sheet.
-const SIDE: u32 = 140;
-const COLUMNS: usize = 9;
+/// Columns of the sheet.
+const COLUMNS: usize = 11;
 /// Splits of an octahedron's edges: facets smaller than a pixel.
 const SPLITS: u32 = 48;
 /// The sphere fills that part of the picture.
@@ -29,7 +28,7 @@ const FILL: f32 = 0.86;
 const ROUGHNESS: f32 = 0.15;
 
 /// Renders the sheet.
-pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &PresetsArgs, presets: &[&Preset]) -> Result<(), Failure> {
     let Some(path) = &args.output else { return Ok(()) };
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         return Err(Failure::Usage(format!("{}: the sheet is a .png", path.display())));
@@ -42,20 +41,13 @@ pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
     let reporter = Reporter::new(args.quiet);
     let progress = Progress::new(args.quiet);
     progress.rendering();
-    let cells = cells(args, &progress);
+    let cells = cells(args, presets, &progress);
     progress.clear();
     let sheet = Sheet {
         title: "Presets".to_owned(),
         cells: cells?,
-        columns: Some(COLUMNS),
-        footer: format!(
-            "Spheres of {} mm radius in the built-in studio, {} a pixel, random walk, PBR Neutral. [J] {}. [N] {}. [O] {}.",
-            args.radius,
-            count(args.spp, "sample", "samples"),
-            Source::Jensen2001.citation(),
-            Source::Narasimhan2006.citation(),
-            Source::OpenPbr.citation()
-        ),
+        columns: Some(COLUMNS.min(presets.len())),
+        footer: footer(args, presets),
         ..Default::default()
     };
     let picture = sheet.draw().map_err(Failure::cannot)?;
@@ -65,23 +57,30 @@ pub(super) fn run(args: &PresetsArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-fn cells(args: &PresetsArgs, progress: &Progress) -> Result<Vec<Cell>, Failure> {
+/// How it was made, and the sources of what is on it.
+fn footer(args: &PresetsArgs, presets: &[&Preset]) -> String {
+    let mut text = format!(
+        "Spheres of {} mm radius in the built-in studio, {} a pixel, random walk, PBR Neutral.",
+        args.radius,
+        count(args.spp, "sample", "samples")
+    );
+    for source in Source::ALL.into_iter().filter(|source| presets.iter().any(|p| p.source == *source)) {
+        text += &format!(" [{}] {}.", source.letter(), source.citation());
+    }
+    text
+}
+
+fn cells(args: &PresetsArgs, presets: &[&Preset], progress: &Progress) -> Result<Vec<Cell>, Failure> {
     let models = Registry::standard();
     let radius = 1e-3 * args.radius;
     let mesh = sphere(radius);
-    let presets: Vec<&Preset> = Preset::all().collect();
-    let work = u64::from(SIDE * SIDE) * u64::from(args.spp);
+    let work = u64::from(args.side * args.side) * u64::from(args.spp);
     let mut cells = Vec::new();
     for (i, preset) in presets.iter().enumerate() {
         let part = progress.part(preset.name, i as u64 * work, presets.len() as u64 * work);
         let picture = render(args, preset, &mesh, radius, &models, &part)?;
-        let letter = match preset.source {
-            Source::Jensen2001 => "J",
-            Source::Narasimhan2006 => "N",
-            Source::OpenPbr => "O",
-        };
         let name = preset.name.strip_prefix("openpbr-").unwrap_or(preset.name);
-        let lines = vec![format!("{name} [{letter}]")];
+        let lines = vec![format!("{name} [{}]", preset.source.letter())];
         cells.push(Cell { picture, difference: None, name: String::new(), lines });
         if interrupt::requested() {
             return Err(Failure::Interrupted);
@@ -132,15 +131,16 @@ fn render(
         ..Default::default()
     })?;
     let options = RenderOptions {
-        width: SIDE,
-        height: SIDE,
+        width: args.side,
+        height: args.side,
         spp: args.spp,
         threads: args.threads.unwrap_or(0),
         ..RenderOptions::new(camera(radius))
     };
     let rendered = pipeline::render(&scene, &options, models, control)?;
     let pixels: Vec<Vec3> = rendered.film.pixels.clone();
-    Picture::from_linear(SIDE, SIDE, &pixels, |p| ToneMap::default().apply(p)).map_err(Failure::cannot)
+    Picture::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p))
+        .map_err(Failure::cannot)
 }
 
 /// Looks at the sphere from a little above.

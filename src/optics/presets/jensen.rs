@@ -15,6 +15,7 @@ const fn preset(name: &'static str, sigma_a: [f64; 3], reduced_scattering: [f64;
         sigma_s_per_mm: reduced_scattering,
         g: [0.0; 3],
         eta,
+        note: "",
     }
 }
 

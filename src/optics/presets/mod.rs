@@ -1,15 +1,21 @@
-//! Published media, each with where its numbers are from.
+//! Media by name, each with where its numbers are from: published ones, and our own estimates of what nobody measured.
 //!
 //! | file | source |
 //! | --- | --- |
 //! | [`jensen`] | measured: Jensen et al. 2001 |
 //! | [`narasimhan`] | measured: Narasimhan et al. 2006 |
 //! | [`openpbr`] | made by eye, some from measurements: the examples of OpenPBR |
+//! | [`estimates`] | ours: made by eye, or from what is said beside each |
+//! | [`aliases`] | what else people call them |
 
+pub mod aliases;
+pub mod estimates;
 pub mod jensen;
 pub mod narasimhan;
 pub mod openpbr;
 
+pub use aliases::ALIASES;
+pub use estimates::ESTIMATES;
 pub use jensen::JENSEN_2001;
 pub use narasimhan::NARASIMHAN_2006;
 pub use openpbr::OPENPBR_EXAMPLES;
@@ -25,6 +31,8 @@ pub enum Source {
     Narasimhan2006,
     /// The example materials of OpenPBR.
     OpenPbr,
+    /// Estimates of this program: nobody measured them.
+    Estimate,
 }
 
 impl Source {
@@ -34,11 +42,25 @@ impl Source {
             Self::Jensen2001 => "Jensen, Marschner, Levoy, Hanrahan 2001, figure 5",
             Self::Narasimhan2006 => "Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen 2006",
             Self::OpenPbr => "example materials of OpenPBR (Academy Software Foundation)",
+            Self::Estimate => "estimates of ours, not measured",
         }
     }
+
+    /// A letter for where there is no room.
+    pub fn letter(self) -> char {
+        match self {
+            Self::Jensen2001 => 'J',
+            Self::Narasimhan2006 => 'N',
+            Self::OpenPbr => 'O',
+            Self::Estimate => 'E',
+        }
+    }
+
+    /// All of them, in the order of [`Preset::all`].
+    pub const ALL: [Self; 4] = [Self::Jensen2001, Self::Narasimhan2006, Self::OpenPbr, Self::Estimate];
 }
 
-/// A published medium and its boundary.
+/// A medium and its boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
     /// Name on the command line.
@@ -53,6 +75,8 @@ pub struct Preset {
     pub g: [f64; 3],
     /// Index of refraction.
     pub eta: f64,
+    /// Of an estimate: what it is, and what it was derived from. Empty where the source says all.
+    pub note: &'static str,
 }
 
 /// A medium whose three channels share one mean cosine, as files have it. Coefficients in 1/m.
@@ -71,12 +95,42 @@ pub struct OneAnisotropy {
 impl Preset {
     /// All of them.
     pub fn all() -> impl Iterator<Item = &'static Self> {
-        JENSEN_2001.iter().chain(&NARASIMHAN_2006).chain(&OPENPBR_EXAMPLES)
+        JENSEN_2001.iter().chain(&NARASIMHAN_2006).chain(&OPENPBR_EXAMPLES).chain(&ESTIMATES)
     }
 
-    /// The preset of that name.
+    /// The preset of that name, of that other name, or of those words in another order, whatever their case: `jade-white`
+    /// is also `White Jade`, and `skin-iv` also `skin type 4` and `fitzpatrick-iv`.
     pub fn named(name: &str) -> Option<&'static Self> {
-        Self::all().find(|preset| preset.name == name)
+        let exact = |name: &str| Self::all().find(|preset| preset.name == name);
+        exact(name).or_else(|| {
+            let wanted = aliases::key(name);
+            let other = ALIASES.iter().find(|(other, _)| aliases::key(other) == wanted);
+            let own = || Self::all().find(|preset| aliases::key(preset.name) == wanted);
+            other.and_then(|(_, name)| exact(name)).or_else(own)
+        })
+    }
+
+    /// What else it is called.
+    pub fn other_names(&self) -> impl Iterator<Item = &'static str> {
+        ALIASES.iter().filter(|(_, name)| *name == self.name).map(|(other, _)| *other)
+    }
+
+    /// Every name that [`Preset::named`] knows.
+    pub fn all_names() -> impl Iterator<Item = &'static str> {
+        Self::all().map(|preset| preset.name).chain(ALIASES.iter().map(|(other, _)| *other))
+    }
+
+    /// Whether one of its names begins with the words of `text`, or has them all.
+    pub fn matches(&self, text: &str) -> bool {
+        let wanted = aliases::key(text);
+        let has = |name: &str| {
+            let key = aliases::key(name);
+            let words: Vec<&str> = key.split('-').collect();
+            wanted
+                .split('-')
+                .all(|w| words.iter().any(|word| *word == w || (w.len() > 2 && word.starts_with(w))))
+        };
+        !wanted.is_empty() && (has(self.name) || self.other_names().any(has))
     }
 
     /// One channel (0, 1 or 2) in 1/m.
@@ -126,9 +180,40 @@ mod tests {
                     c.sigma_a >= 0.0 && c.sigma_s >= 0.0 && (0.0..1.0).contains(&c.g) && c.sigma_t() > 0.0
                 );
             }
-            assert!((1.3..1.6).contains(&preset.eta), "{}", preset.name);
+            assert!((1.3..1.7).contains(&preset.eta), "{}", preset.name);
+            assert_eq!(preset.note.is_empty(), preset.source != Source::Estimate, "{}", preset.name);
         }
-        assert_eq!(names.len(), 12 + 35 + 15);
+        assert_eq!(names.len(), 12 + 35 + 15 + ESTIMATES.len());
+    }
+
+    #[test]
+    fn every_other_name_leads_to_one_preset() {
+        let mut keys: std::collections::HashMap<String, &str> =
+            Preset::all().map(|preset| (aliases::key(preset.name), preset.name)).collect();
+        for (other, name) in ALIASES {
+            assert_eq!(Preset::named(other).map(|preset| preset.name), Some(name), "{other}");
+            assert_eq!(keys.insert(aliases::key(other), name), None, "{other} is there twice");
+        }
+        for (typed, name) in [
+            ("White Jade", "jade-white"),
+            ("GREEN_MARBLE", "marble-green"),
+            ("skin type 4", "skin-iv"),
+            ("fitzpatrick-vi", "skin-vi"),
+            ("Fitzpatrick 1", "skin-i"),
+            ("skin1", "skin1"),
+            ("marble", "marble"),
+            ("milk", "whole-milk"),
+        ] {
+            assert_eq!(Preset::named(typed).map(|preset| preset.name), Some(name), "{typed}");
+        }
+        assert!(
+            Preset::named("").is_none() && Preset::named("-").is_none() && Preset::named("jad").is_none()
+        );
+        let found =
+            |text: &str| Preset::all().filter(|p| p.matches(text)).map(|p| p.name).collect::<Vec<_>>();
+        assert_eq!(found("lavender jade"), ["jade-lavender"]);
+        assert!(found("jade").len() >= 4 && found("skin").len() >= 14 && found("").is_empty());
+        assert_eq!(found("jadei"), ["jade-imperial"]);
     }
 
     #[test]

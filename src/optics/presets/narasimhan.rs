@@ -14,6 +14,7 @@ const fn preset(name: &'static str, sigma_a: [f64; 3], sigma_s: [f64; 3], g: [f6
         sigma_s_per_mm: sigma_s,
         g,
         eta: 1.33,
+        note: "",
     }
 }
 

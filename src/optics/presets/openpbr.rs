@@ -16,6 +16,7 @@ const fn preset(name: &'static str, sigma_a: [f64; 3], sigma_s: [f64; 3], eta: f
         sigma_s_per_mm: sigma_s,
         g: [0.0; 3],
         eta,
+        note: "",
     }
 }
 
