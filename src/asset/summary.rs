@@ -7,7 +7,10 @@ use serde_json::Value;
 
 use super::animation::AnimationSummary;
 use super::loader::Loader;
-use crate::scene::{AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, SceneDescription};
+use crate::scene::{
+    AlphaMode, AreaLight, AreaShape, ImagePixels, Lens, MaterialDescription, Projection, PunctualKind,
+    PunctualLight, SceneDescription,
+};
 
 /// What is in a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -36,7 +39,7 @@ pub struct Summary {
     pub images: Vec<ImageSummary>,
     /// Cameras of the scene.
     pub cameras: Vec<CameraSummary>,
-    /// Punctual lights of the scene.
+    /// Lights of the scene that are no meshes.
     pub lights: Vec<LightSummary>,
     /// All animations of the file.
     pub animations: Vec<AnimationSummary>,
@@ -141,17 +144,36 @@ pub struct CameraSummary {
     pub extent: f32,
     /// Width over height, if the file says so.
     pub aspect: Option<f32>,
+    /// What it looks through, if the file says so.
+    pub lens: Option<LensSummary>,
 }
 
-/// A punctual light of the scene.
+/// The lens of a camera (EXT_camera_physical).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LensSummary {
+    /// Metres.
+    pub focal_length: f32,
+    /// Width and height, metres.
+    pub sensor: [f32; 2],
+    /// Focal length over the diameter of the opening.
+    pub f_stop: Option<f32>,
+    /// Metres.
+    pub focus_distance: Option<f32>,
+}
+
+/// A light of the scene that is no mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LightSummary {
     /// Its name.
     pub name: String,
-    /// `point`, `spot` or `directional`.
+    /// `point`, `spot`, `directional`, `ies`, `rect` or `disk`.
     pub kind: &'static str,
-    /// Colour × intensity, candela or lux.
+    /// Colour × intensity: candela (point, spot; the largest of ies), lux (directional), nits (rect, disk).
     pub intensity: [f32; 3],
+    /// Width and height in the world, metres (rect, disk).
+    pub size: Option<[f32; 2]>,
+    /// Light flux of each channel, lumens (ies, rect, disk).
+    pub lumens: Option<[f32; 3]>,
 }
 
 /// An extension and what becomes of it.
@@ -311,19 +333,37 @@ fn cameras(scene: &SceneDescription) -> Vec<CameraSummary> {
                 Projection::Perspective { yfov, aspect } => ("perspective", yfov, aspect),
                 Projection::Orthographic { ymag, aspect } => ("orthographic", ymag, aspect),
             };
-            CameraSummary { name: c.name.clone(), kind, extent, aspect }
+            let lens = c.lens.map(|l| {
+                let Lens { focal_length, sensor, f_stop, focus_distance } = l;
+                LensSummary { focal_length, sensor, f_stop, focus_distance }
+            });
+            CameraSummary { name: c.name.clone(), kind, extent, aspect, lens }
         })
         .collect()
 }
 
 fn lights(scene: &SceneDescription) -> Vec<LightSummary> {
-    let kind = |kind: PunctualKind| match kind {
-        PunctualKind::Point => "point",
-        PunctualKind::Spot { .. } => "spot",
-        PunctualKind::Directional => "directional",
+    let punctual = |l: &PunctualLight| {
+        let (kind, lumens) = match &l.kind {
+            PunctualKind::Point => ("point", None),
+            PunctualKind::Spot { .. } => ("spot", None),
+            PunctualKind::Directional => ("directional", None),
+            PunctualKind::Web(web) => {
+                let of_one_candela = web.web().lumens() as f32 / web.web().largest().max(f32::MIN_POSITIVE);
+                ("ies", Some((l.intensity * of_one_candela).to_array()))
+            }
+        };
+        LightSummary { name: l.name.clone(), kind, intensity: l.intensity.to_array(), size: None, lumens }
     };
-    let lights = scene.lights.iter();
-    lights
-        .map(|l| LightSummary { name: l.name.clone(), kind: kind(l.kind), intensity: l.intensity.to_array() })
-        .collect()
+    let area = |l: &AreaLight| LightSummary {
+        name: l.name.clone(),
+        kind: match l.shape {
+            AreaShape::Rectangle => "rect",
+            AreaShape::Disk => "disk",
+        },
+        intensity: l.radiance.to_array(),
+        size: Some(l.size.to_array()),
+        lumens: Some(l.lumens().to_array()),
+    };
+    scene.lights.iter().map(punctual).chain(scene.area_lights.iter().map(area)).collect()
 }

@@ -1,6 +1,7 @@
-//! Point, spot and directional lights as the glTF extension KHR_lights_punctual defines them.
+//! Lights without size: point, spot and directional as the glTF extension KHR_lights_punctual defines them, and measured ones
+//! as EXT_lights_ies does.
 //!
-//! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone`, or lux.
+//! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone` or × web, or lux.
 
 use glam::Vec3;
 
@@ -76,8 +77,12 @@ pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradian
         return None;
     }
     let mut attenuation = distance_attenuation(distance_squared, light.range);
-    if let PunctualKind::Spot { inner, outer } = light.kind {
-        attenuation *= spot_attenuation((direction + light.direction).length_squared(), inner, outer);
+    match &light.kind {
+        PunctualKind::Spot { inner, outer } => {
+            attenuation *= spot_attenuation((direction + light.direction).length_squared(), *inner, *outer);
+        }
+        PunctualKind::Web(web) => attenuation *= web.relative(-direction),
+        PunctualKind::Point | PunctualKind::Directional => {}
     }
     let irradiance = light.intensity * attenuation;
     (irradiance.max_element() > 0.0 && irradiance.is_finite()).then_some(PunctualIrradiance {

@@ -2,11 +2,11 @@
 
 use super::format::{count, length, lengths, number, triple};
 use super::report::{MediumReport, ObjectReport, Report};
-use crate::asset::AnimationSummary;
+use crate::asset::{AnimationSummary, LightSummary};
 use crate::cli::message::grouped;
 use crate::cli::message::{also_in, printable};
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
-use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
+use crate::scene::{AreaShape, CameraDescription, Lens, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
 
 /// The most animations that are listed.
@@ -56,6 +56,9 @@ fn overview(out: &mut String, report: &Report<'_>, scene: &SceneDescription) -> 
     };
     line(out, "cameras", &cameras)?;
     line(out, "lights", &lights(scene))?;
+    for light in measured_lights(&summary.lights) {
+        line(out, "", &light)?;
+    }
     if !summary.animations.is_empty() {
         animations(out, &summary.animations)?;
     }
@@ -94,7 +97,8 @@ fn animations(out: &mut String, animations: &[AnimationSummary]) -> std::fmt::Re
 fn camera(camera: &CameraDescription) -> String {
     match camera.projection {
         Projection::Perspective { yfov, .. } => {
-            format!("{:?} (perspective, {}°)", camera.name, number(yfov.to_degrees()))
+            let lens = camera.lens.map(|l| lens(&l)).unwrap_or_default();
+            format!("{:?} (perspective, {}°{lens})", camera.name, number(yfov.to_degrees()))
         }
         Projection::Orthographic { ymag, .. } => {
             format!("{:?} (orthographic, {} high)", camera.name, length(2.0 * ymag))
@@ -102,12 +106,50 @@ fn camera(camera: &CameraDescription) -> String {
     }
 }
 
+/// “, 35 mm on 36 mm × 24 mm, f/2.8, focused at 5 m”.
+fn lens(lens: &Lens) -> String {
+    let Lens { focal_length, sensor: [width, height], f_stop, focus_distance } = lens;
+    let sensor = if *width > 0.0 {
+        format!(" on {} × {}", length(*width), length(*height))
+    } else {
+        String::new()
+    };
+    let f_stop = f_stop.map(|n| format!(", f/{}", number(n))).unwrap_or_default();
+    let focus = focus_distance.map(|d| format!(", focused at {}", length(d))).unwrap_or_default();
+    format!(", {}{sensor}{f_stop}{focus}", length(*focal_length))
+}
+
+/// How strong and how large the lights are whose power is known.
+fn measured_lights(lights: &[LightSummary]) -> Vec<String> {
+    let told = lights.iter().filter(|l| l.lumens.is_some());
+    let total = told.clone().count();
+    let describe = |l: &LightSummary| {
+        let unit = if l.size.is_some() { "cd/m²" } else { "cd at most" };
+        let size = match (l.kind, l.size) {
+            ("disk", Some([width, _])) => format!("{} across, ", length(width)),
+            (_, Some([width, height])) => format!("{} × {}, ", length(width), length(height)),
+            (_, None) => String::new(),
+        };
+        let [intensity, lumens] = [l.intensity, l.lumens.unwrap_or_default()].map(|v| triple(v.map(Some)));
+        format!("{:?} ({}, {size}{intensity} {unit}, {lumens} lm)", l.name, l.kind)
+    };
+    let mut lines: Vec<String> = told.take(MOST_NAMES).map(describe).collect();
+    if total > MOST_NAMES {
+        lines.push(format!("and {} more", total - MOST_NAMES));
+    }
+    lines
+}
+
 fn lights(scene: &SceneDescription) -> String {
     let is_kind = |wanted: fn(&PunctualKind) -> bool| scene.lights.iter().filter(|l| wanted(&l.kind)).count();
+    let is_shape = |wanted: AreaShape| scene.area_lights.iter().filter(|l| l.shape == wanted).count();
     let kinds = [
         (is_kind(|k| matches!(k, PunctualKind::Point)), "point"),
         (is_kind(|k| matches!(k, PunctualKind::Spot { .. })), "spot"),
         (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
+        (is_kind(|k| matches!(k, PunctualKind::Web(_))), "measured (IES)"),
+        (is_shape(AreaShape::Rectangle), "rectangular"),
+        (is_shape(AreaShape::Disk), "disks"),
         (scene.materials.iter().filter(|m| is_lamp(m)).count(), "emissive materials"),
     ];
     let found: Vec<String> =
