@@ -14,6 +14,8 @@ mod convert;
 mod edit;
 #[path = "cli/inputs.rs"]
 mod inputs;
+#[path = "cli/lights.rs"]
+mod lights;
 #[cfg(unix)]
 #[path = "cli/machine.rs"]
 mod machine;

@@ -124,7 +124,9 @@ impl Lm63 {
             (_, 1.0) => Photometry::C,
             (_, 2.0) => Photometry::B,
             (_, 3.0) => Photometry::A,
-            (line, value) => return Err(Lm63Error::Value { line, value, what: "photometric type: 1, 2 or 3" }),
+            (line, value) => {
+                return Err(Lm63Error::Value { line, value, what: "photometric type: 1, 2 or 3" });
+            }
         };
         for what in ["the unit of lengths", "the width", "the length", "the height"] {
             numbers.next(what)?;

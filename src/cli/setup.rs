@@ -251,7 +251,8 @@ fn focused(mut camera: CameraDescription, args: &SceneArgs) -> CameraDescription
         && (args.f_stop.is_some() || args.focus_distance.is_some())
     {
         let lens = camera.lens.unwrap_or_else(|| Lens::full_frame(yfov));
-        let (f_stop, focus_distance) = (args.f_stop.or(lens.f_stop), args.focus_distance.or(lens.focus_distance));
+        let (f_stop, focus_distance) =
+            (args.f_stop.or(lens.f_stop), args.focus_distance.or(lens.focus_distance));
         camera.lens = Some(Lens { f_stop, focus_distance, ..lens });
     }
     camera

@@ -107,7 +107,8 @@ fn area_lights_that_make_no_sense_are_told_of() {
     assert!(off.scene.area_lights.is_empty() && off.diagnostics.is_empty());
     let missing = lit(AREA, json!([]), &[at(AREA, json!({"light": 0}), json!({}))]);
     assert!(refused(&missing).starts_with("/nodes/1/extensions/EXT_lights_area/light: "));
-    let wrong = lit(AREA, json!([{"type": "disk", "size": "1"}]), &[at(AREA, json!({"light": 0}), json!({}))]);
+    let wrong =
+        lit(AREA, json!([{"type": "disk", "size": "1"}]), &[at(AREA, json!({"light": 0}), json!({}))]);
     assert!(refused(&wrong).starts_with("/extensions/EXT_lights_area/lights/0/size: "));
     // Many are counted, as objects are.
     let nodes = vec![at(AREA, json!({"light": 0}), json!({})); 9];
@@ -131,10 +132,14 @@ fn data(text: &str) -> String {
 #[test]
 fn measured_lights_are_read_from_uris_and_buffer_views() {
     let own = json!({"light": 0, "multiplier": 3, "color": [1, 0.5, 0]});
-    let mut b = lit(IES, json!([{"uri": data(PROFILE)}]), &[
-        at(IES, own, json!({"translation": [0, 5, 0], "scale": [9, 9, 9]})),
-        at(IES, json!({"light": 1}), json!({"name": "b"})),
-    ]);
+    let mut b = lit(
+        IES,
+        json!([{"uri": data(PROFILE)}]),
+        &[
+            at(IES, own, json!({"translation": [0, 5, 0], "scale": [9, 9, 9]})),
+            at(IES, json!({"light": 1}), json!({"name": "b"})),
+        ],
+    );
     let view = b.view(PROFILE.as_bytes());
     let lights = b.json["extensions"][IES]["lights"].as_array_mut().expect("an array");
     lights.push(json!({"bufferView": view, "mimeType": "application/x-ies-lm-63"}));
@@ -163,11 +168,18 @@ fn measured_lights_are_read_from_uris_and_buffer_views() {
 fn broken_light_profiles_are_errors_that_say_where() {
     let with = |light: Value| lit(IES, json!([light]), &[at(IES, json!({"light": 0}), json!({}))]);
     let text = refused(&with(json!({"uri": data("no profile")})));
-    assert!(text.starts_with("/extensions/EXT_lights_ies/lights/0/uri: ") && text.contains("TILT="), "{text}");
+    assert!(
+        text.starts_with("/extensions/EXT_lights_ies/lights/0/uri: ") && text.contains("TILT="),
+        "{text}"
+    );
     let text = refused(&with(json!({"uri": data(&PROFILE.replace("20 10 0", "20 x 0"))})));
     assert!(text.contains("line 6: `x`"), "{text}");
-    assert!(refused(&with(json!({"uri": "missing.ies"}))).starts_with("/extensions/EXT_lights_ies/lights/0/uri"));
-    assert!(refused(&with(json!({"bufferView": 77}))).starts_with("/extensions/EXT_lights_ies/lights/0/buffer"));
+    assert!(
+        refused(&with(json!({"uri": "missing.ies"}))).starts_with("/extensions/EXT_lights_ies/lights/0/uri")
+    );
+    assert!(
+        refused(&with(json!({"bufferView": 77}))).starts_with("/extensions/EXT_lights_ies/lights/0/buffer")
+    );
     let invalid = |light: Value, pointer: &str, lights: usize| {
         let loaded = with(light).loaded();
         let pointer = format!("/extensions/EXT_lights_ies/lights/0{pointer}");
@@ -198,7 +210,11 @@ fn broken_light_profiles_are_errors_that_say_where() {
 
 #[test]
 fn lights_are_animated_by_pointers() {
-    let mut b = lit(AREA, json!([{"type": "rect", "rect": {"aspect": 1}}]), &[at(AREA, json!({"light": 0}), json!({}))]);
+    let mut b = lit(
+        AREA,
+        json!([{"type": "rect", "rect": {"aspect": 1}}]),
+        &[at(AREA, json!({"light": 0}), json!({}))],
+    );
     b.json["extensionsUsed"] = json!([AREA, IES, "KHR_animation_pointer"]);
     b.json["extensions"][IES] = json!({"lights": [{"uri": data(PROFILE)}]});
     b.json["nodes"][0]["extensions"] = json!({IES: {"light": 0}});
@@ -278,7 +294,8 @@ fn cameras_have_the_lens_of_the_proposal() {
         assert_eq!(loaded.scene.cameras[0].lens.is_some(), has_lens, "{key}");
     }
     // What is sharp after all, or fits to another sensor, is told.
-    for (key, value) in [("focusDistance", json!(null)), ("focusDistance", json!(0)), ("sensorSize", json!([0.01, 0.01]))]
+    for (key, value) in
+        [("focusDistance", json!(null)), ("focusDistance", json!(0)), ("sensorSize", json!([0.01, 0.01]))]
     {
         let loaded = with(key, value).loaded();
         assert!(told(&loaded, Severity::Note, pointer), "{key}");
@@ -295,7 +312,8 @@ fn cameras_have_the_lens_of_the_proposal() {
 #[test]
 fn area_lights_far_away_keep_their_place() {
     let place = [4_161_012.5, 853_447.25, -4_743_990.0];
-    let mut b = lit(AREA, json!([{"type": "disk"}]), &[at(AREA, json!({"light": 0}), json!({"translation": place}))]);
+    let mut b =
+        lit(AREA, json!([{"type": "disk"}]), &[at(AREA, json!({"light": 0}), json!({"translation": place}))]);
     b.json["nodes"][0]["translation"] = json!(place);
     let loaded = b.loaded();
     let found = loaded.scene.origin + glam::Vec3::from(only(&loaded).transform.translation).as_dvec3();

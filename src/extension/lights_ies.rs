@@ -10,9 +10,7 @@ use glam::Vec3;
 
 use super::Extension;
 use super::emissive_strength::MAX_RADIANCE;
-use crate::asset::{
-    AssetError, Json, Lm63, Loader, MutableProperty, NodeContext, PropertyKind, light_frame,
-};
+use crate::asset::{AssetError, Json, Lm63, Loader, MutableProperty, NodeContext, PropertyKind, light_frame};
 use crate::scene::{PhotometricWeb, PunctualKind, PunctualLight, TurnedWeb};
 
 const NAME: &str = "EXT_lights_ies";

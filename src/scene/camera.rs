@@ -207,11 +207,15 @@ mod tests {
 
     #[test]
     fn rays_of_a_lens_meet_on_the_plane_of_focus_and_start_within_the_rectangle() {
-        let lens = Lens { focal_length: 0.4, sensor: [0.036, 0.024], f_stop: Some(2.0), focus_distance: Some(4.0) };
+        let lens =
+            Lens { focal_length: 0.4, sensor: [0.036, 0.024], f_stop: Some(2.0), focus_distance: Some(4.0) };
         for near in [0.0, 0.5, 4.0, 6.0] {
             let description = CameraDescription {
                 name: String::new(),
-                transform: Affine3A::from_mat3_translation(Mat3::from_rotation_y(0.5), Vec3::new(1.0, 2.0, 3.0)),
+                transform: Affine3A::from_mat3_translation(
+                    Mat3::from_rotation_y(0.5),
+                    Vec3::new(1.0, 2.0, 3.0),
+                ),
                 projection: Projection::Perspective { yfov: 1.2, aspect: None },
                 clip: Clip { near, far: 9.0 },
                 lens: Some(lens),
@@ -227,7 +231,8 @@ mod tests {
                 let (ray, middle) = (camera.lens_ray(raster, u), sharp.ray(raster));
                 let origin = to_camera.transform_point3(ray.origin);
                 let at_depth = |r: &Ray, depth: f32| {
-                    let (o, d) = (to_camera.transform_point3(r.origin), to_camera.transform_vector3(r.direction));
+                    let (o, d) =
+                        (to_camera.transform_point3(r.origin), to_camera.transform_vector3(r.direction));
                     o + d * ((-depth - o.z) / d.z)
                 };
                 assert!((origin.z + near).abs() < 1e-5);
@@ -237,13 +242,17 @@ mod tests {
                 widest = widest.max(off);
                 assert!(off <= 0.1 * 5.0 / 4.0 + 1e-5, "{off}");
                 let inside = |x: f32, a: f32, b: f32| a.min(b) - 1e-5 <= x && x <= a.max(b) + 1e-5;
-                assert!(inside(origin.x, starts[0].x, starts[1].x) && inside(origin.y, starts[0].y, starts[2].y));
+                assert!(
+                    inside(origin.x, starts[0].x, starts[1].x) && inside(origin.y, starts[0].y, starts[2].y)
+                );
             }
             assert!((widest - 0.125).abs() < 1e-4, "{widest}");
             // Stopped down it is a pinhole; parallel rays have no lens.
             let closed = Lens { f_stop: Some(1e9), ..lens };
-            let closed = Camera::new(&CameraDescription { lens: Some(closed), ..description.clone() }, 200, 100);
-            let (a, b) = (closed.lens_ray(Vec2::new(20.0, 30.0), Vec2::ZERO), sharp.ray(Vec2::new(20.0, 30.0)));
+            let closed =
+                Camera::new(&CameraDescription { lens: Some(closed), ..description.clone() }, 200, 100);
+            let (a, b) =
+                (closed.lens_ray(Vec2::new(20.0, 30.0), Vec2::ZERO), sharp.ray(Vec2::new(20.0, 30.0)));
             assert!((a.origin - b.origin).length() < 1e-6 && (a.direction - b.direction).length() < 1e-6);
             let projection = Projection::Orthographic { ymag: 1.0, aspect: None };
             assert!(!Camera::new(&CameraDescription { projection, ..description }, 8, 8).has_lens());

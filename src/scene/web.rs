@@ -301,7 +301,11 @@ fn check_vertical(photometry: Photometry, angles: &[f32]) -> Result<(), WebError
         return Err(WebError::Range { which: "vertical", first: only, last: only, photometry, expected });
     };
     let inside = first >= low - SAME && last <= low + 180.0 + SAME;
-    if inside { Ok(()) } else { Err(WebError::Range { which: "vertical", first, last, photometry, expected }) }
+    if inside {
+        Ok(())
+    } else {
+        Err(WebError::Range { which: "vertical", first, last, photometry, expected })
+    }
 }
 
 fn fold(photometry: Photometry, angles: &[f32]) -> Result<Fold, WebError> {

@@ -16,7 +16,11 @@ fn candela(web: &PhotometricWeb, v: f32, h: f32) -> f32 {
 }
 
 /// A table whose candela are 10 · (index of h) + (index of v) + 1.
-fn numbered(photometry: Photometry, vertical: &[f32], horizontal: &[f32]) -> Result<PhotometricWeb, WebError> {
+fn numbered(
+    photometry: Photometry,
+    vertical: &[f32],
+    horizontal: &[f32],
+) -> Result<PhotometricWeb, WebError> {
     let candela: Vec<f32> = (0..horizontal.len())
         .flat_map(|h| (0..vertical.len()).map(move |v| (10 * h + v + 1) as f32))
         .collect();
@@ -50,16 +54,18 @@ fn candela_at_and_between_the_angles_of_the_table() {
         }
         // Bilinear: a quarter of the way along v, three quarters along h.
         let (i, j) = (1, 1);
-        let (v, h) = (
-            0.75 * vertical[i] + 0.25 * vertical[i + 1],
-            0.25 * horizontal[j] + 0.75 * horizontal[j + 1],
-        );
+        let (v, h) =
+            (0.75 * vertical[i] + 0.25 * vertical[i + 1], 0.25 * horizontal[j] + 0.75 * horizontal[j + 1]);
         near(candela(&web, v, h), 10.0 * (j as f32 + 0.75) + i as f32 + 0.25 + 1.0);
         let outside = |v: f32, h: f32| assert_eq!(candela(&web, v, h), 0.0, "{v} {h}");
         match photometry {
             Photometry::C if vertical.len() == 3 => outside(81.0, 120.0),
-            Photometry::B => [(61.0, 0.0), (0.0, -81.0), (0.0, 150.0)].iter().for_each(|(v, h)| outside(*v, *h)),
-            Photometry::A => [(16.0, 0.0), (-31.0, 0.0), (0.0, 31.0)].iter().for_each(|(v, h)| outside(*v, *h)),
+            Photometry::B => {
+                [(61.0, 0.0), (0.0, -81.0), (0.0, 150.0)].iter().for_each(|(v, h)| outside(*v, *h))
+            }
+            Photometry::A => {
+                [(16.0, 0.0), (-31.0, 0.0), (0.0, 31.0)].iter().for_each(|(v, h)| outside(*v, *h))
+            }
             Photometry::C => {}
         }
     }
@@ -124,7 +130,8 @@ fn what_symmetry_leaves_out_is_mirrored() {
 
 #[test]
 fn flux_is_the_integral_over_the_sphere() {
-    let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    let close =
+        |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     let constant = |photometry, v: &[f32], h: &[f32]| {
         PhotometricWeb::new(photometry, v.to_vec(), h.to_vec(), &vec![3.0; v.len() * h.len()]).expect("a web")
     };
@@ -175,7 +182,11 @@ fn all_light_is_within_the_cone() {
     ];
     for (v, values, (sign, degrees)) in cones {
         let (s, angle) = web(v, values).cone;
-        assert!(s == sign && (angle.to_degrees() - degrees).abs() < 1e-3, "{v:?}: {s} {}", angle.to_degrees());
+        assert!(
+            s == sign && (angle.to_degrees() - degrees).abs() < 1e-3,
+            "{v:?}: {s} {}",
+            angle.to_degrees()
+        );
     }
 }
 
@@ -183,7 +194,10 @@ fn all_light_is_within_the_cone() {
 fn what_is_no_web_is_refused() {
     let web = |photometry, v: &[f32], h: &[f32]| numbered(photometry, v, h).expect_err("no web");
     use Photometry::{A, B, C};
-    assert!(matches!(web(C, &[0.0, 30.0, 30.0], &[0.0]), WebError::Order { which: "vertical", index: 2, .. }));
+    assert!(matches!(
+        web(C, &[0.0, 30.0, 30.0], &[0.0]),
+        WebError::Order { which: "vertical", index: 2, .. }
+    ));
     assert!(matches!(web(C, &[0.0, f32::NAN], &[0.0]), WebError::Order { index: 1, .. }));
     assert!(matches!(web(B, &[0.0, 90.0], &[90.0, 0.0]), WebError::Order { which: "horizontal", .. }));
     for (photometry, v, h) in [

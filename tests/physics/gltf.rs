@@ -12,13 +12,15 @@ pub fn floor(color: f32, metallic: f32, extensions: Value, nodes: &[Value]) -> S
     let indices: Vec<u8> = [0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()).collect();
     let data = base64::engine::general_purpose::STANDARD.encode([bytes, indices].concat());
     let roughness = 1.0 - metallic;
-    let mut used: Vec<&str> = extensions.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+    let mut used: Vec<&str> =
+        extensions.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
     used.push("KHR_materials_specular");
+    let all = [&[json!({"mesh": 0})], nodes].concat();
     let document = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": (0..=nodes.len()).collect::<Vec<_>>()}],
         "extensionsUsed": used,
         "extensions": extensions,
-        "nodes": [vec![json!({"mesh": 0})], nodes.to_vec()].concat(),
+        "nodes": all,
         "materials": [{
             "pbrMetallicRoughness": {"baseColorFactor": [color, color, color, 1], "metallicFactor": metallic,
                 "roughnessFactor": roughness},

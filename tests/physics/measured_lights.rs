@@ -60,9 +60,10 @@ fn nodes(places: &[(Vec3, Quat)]) -> Vec<Value> {
 #[test]
 fn a_floor_is_lit_by_the_candela_of_the_table() {
     let down = Quat::from_array(DOWN);
-    for (i, place) in [Vec3::Y, Vec3::new(0.4, 1.0, 0.3), Vec3::new(-1.0, 1.0, 0.5), Vec3::new(0.2, 0.7, -2.0)]
-        .into_iter()
-        .enumerate()
+    for (i, place) in
+        [Vec3::Y, Vec3::new(0.4, 1.0, 0.3), Vec3::new(-1.0, 1.0, 0.5), Vec3::new(0.2, 0.7, -2.0)]
+            .into_iter()
+            .enumerate()
     {
         // Turned about the vertical, tilted, and as it is.
         for turn in [down, Quat::from_rotation_y(0.8) * down, Quat::from_rotation_z(0.3) * down] {

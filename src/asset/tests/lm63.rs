@@ -88,7 +88,10 @@ fn what_is_broken_is_an_error_that_says_where() {
     }
     // Counts that are promised only make no room.
     assert!(matches!(error(&good.replace("3,2 1 2", "3601,3601 1 2")), Lm63Error::End { .. }));
-    assert!(matches!(error(&good.replace("0 45\r\n90", "0 95\r\n90")), Lm63Error::Web(WebError::Order { .. })));
+    assert!(matches!(
+        error(&good.replace("0 45\r\n90", "0 95\r\n90")),
+        Lm63Error::Web(WebError::Order { .. })
+    ));
     assert!(matches!(error(&good.replace("0 360", "0 120")), Lm63Error::Web(WebError::Range { .. })));
     assert!(matches!(Lm63::read(&vec![b' '; MOST_BYTES + 1]), Err(Lm63Error::Size { .. })));
     // Every file that is cut off is an error or as good as whole, and none panics.

@@ -109,11 +109,8 @@ fn camera(camera: &CameraDescription) -> String {
 /// “, 35 mm on 36 mm × 24 mm, f/2.8, focused at 5 m”.
 fn lens(lens: &Lens) -> String {
     let Lens { focal_length, sensor: [width, height], f_stop, focus_distance } = lens;
-    let sensor = if *width > 0.0 {
-        format!(" on {} × {}", length(*width), length(*height))
-    } else {
-        String::new()
-    };
+    let sensor =
+        if *width > 0.0 { format!(" on {} × {}", length(*width), length(*height)) } else { String::new() };
     let f_stop = f_stop.map(|n| format!(", f/{}", number(n))).unwrap_or_default();
     let focus = focus_distance.map(|d| format!(", focused at {}", length(d))).unwrap_or_default();
     format!(", {}{sensor}{f_stop}{focus}", length(*focal_length))
@@ -149,7 +146,7 @@ fn lights(scene: &SceneDescription) -> String {
         (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
         (is_kind(|k| matches!(k, PunctualKind::Web(_))), "measured (IES)"),
         (is_shape(AreaShape::Rectangle), "rectangular"),
-        (is_shape(AreaShape::Disk), "disks"),
+        (is_shape(AreaShape::Disk), "round"),
         (scene.materials.iter().filter(|m| is_lamp(m)).count(), "emissive materials"),
     ];
     let found: Vec<String> =
