@@ -240,7 +240,7 @@ fn lights_are_animated_by_pointers() {
     b.json["animations"] = json!([{"channels": channels, "samplers": samplers}]);
     let bytes = b.document().to_string().into_bytes();
     let mut asset = Asset::from_bytes(bytes, "/nowhere".as_ref(), &LoadOptions::default()).expect("opens");
-    let moment = Moment { animations: vec![0], time: 1.0, ..Moment::default() };
+    let moment = Moment { animations: vec![0], time: 1.0 };
     let loaded = asset.load(&moment).expect("loads");
     let light = only(&loaded);
     assert_eq!((light.radiance, light.size), (Vec3::new(200.0, 0.0, 100.0), Vec2::new(8.0, 4.0)));

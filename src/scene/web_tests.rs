@@ -173,21 +173,16 @@ fn all_light_is_within_the_cone() {
     let web = |v: &[f32], values: &[f32]| {
         PhotometricWeb::new(Photometry::C, v.to_vec(), vec![0.0], values).expect("a web")
     };
-    let cones: [(&[f32], &[f32], (f32, f32)); 5] = [
-        (&[0.0, 20.0, 40.0, 90.0], &[3.0, 1.0, 0.0, 0.0], (1.0, 40.0)),
-        (&[0.0, 90.0], &[3.0, 1.0], (1.0, 90.0)),
-        (&[0.0, 90.0, 150.0, 180.0], &[0.0, 0.0, 0.0, 2.0], (-1.0, 30.0)),
-        (&[90.0, 120.0, 180.0], &[1.0, 2.0, 2.0], (-1.0, 90.0)),
-        (&[0.0, 180.0], &[1.0, 1.0], (1.0, 180.0)),
-    ];
-    for (v, values, (sign, degrees)) in cones {
+    let check = |v: &[f32], values: &[f32], sign: f32, degrees: f32| {
         let (s, angle) = web(v, values).cone;
-        assert!(
-            s == sign && (angle.to_degrees() - degrees).abs() < 1e-3,
-            "{v:?}: {s} {}",
-            angle.to_degrees()
-        );
-    }
+        let angle = angle.to_degrees();
+        assert!(s == sign && (angle - degrees).abs() < 1e-3, "{v:?}: {s} {angle}");
+    };
+    check(&[0.0, 20.0, 40.0, 90.0], &[3.0, 1.0, 0.0, 0.0], 1.0, 40.0);
+    check(&[0.0, 90.0], &[3.0, 1.0], 1.0, 90.0);
+    check(&[0.0, 90.0, 150.0, 180.0], &[0.0, 0.0, 0.0, 2.0], -1.0, 30.0);
+    check(&[90.0, 120.0, 180.0], &[1.0, 2.0, 2.0], -1.0, 90.0);
+    check(&[0.0, 180.0], &[1.0, 1.0], 1.0, 180.0);
 }
 
 #[test]
