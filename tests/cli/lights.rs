@@ -32,7 +32,7 @@ fn inspect_tells_of_power_and_lenses() {
     // π · 100 · π lumens; 4π · 50 · 2.
     for text in [
         "1 measured (IES), 1 round",
-        "\"luminaire\" (ies, 100  100  50 cd at most, 1.26e3  1.26e3  628 lm)",
+        "\"luminaire\" (ies, 100  100  50 cd at most, 1257  1257  628 lm)",
         "\"lamp\" (disk, 2 m across, 100 cd/m², 987 lm)",
         "50 mm on 25.5 mm × 25.5 mm, f/2, focused at 4 m",
     ] {

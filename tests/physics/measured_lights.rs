@@ -70,7 +70,7 @@ fn a_floor_is_lit_by_the_candela_of_the_table() {
             let places = [(place, turn)];
             let found = seen(floor(0.5, 0.0, profile(), &nodes(&places)), 1);
             let expected = 0.5 / std::f64::consts::PI * irradiance(&places);
-            assert!(expected > 0.5);
+            assert!(expected > 0.01, "{expected}");
             // Angles of single precision, and a floor of 10⁻⁴ m that is looked at.
             assert!((found.mean[0] / expected - 1.0).abs() < 1e-3, "{i}: {} {expected}", found.mean[0]);
         }
