@@ -2,6 +2,7 @@
 
 use crate::gltf::{DOWN, floor, light};
 use crate::lab::*;
+use base64::Engine;
 use glam::{Quat, Vec3};
 use nephrite::scene::*;
 use serde_json::{Value, json};
@@ -16,9 +17,10 @@ fn profile() -> Value {
     let planes: Vec<String> = CANDELA.iter().chain(&CANDELA[..1]).map(|row| format!("{row:?}")).collect();
     let candela = planes.join(" ").replace(['[', ']', ','], " ");
     let text = format!(
-        "IESNA:LM-63-1995%0ATILT=NONE%0A1 1 2 4 5 1 2 0 0 0 1 0.5 0%0A0 30 60 90%0A0 90 180 270 360%0A{candela}"
+        "IESNA:LM-63-1995\nTILT=NONE\n1 1 2 4 5 1 2 0 0 0 1 0.5 0\n0 30 60 90\n0 90 180 270 360\n{candela}"
     );
-    json!({NAME: {"lights": [{"uri": format!("data:application/x-ies-lm-63,{}", text.replace(' ', "%20"))}]}})
+    let data = base64::engine::general_purpose::STANDARD.encode(text);
+    json!({NAME: {"lights": [{"uri": format!("data:application/x-ies-lm-63;base64,{data}")}]}})
 }
 
 /// Bilinear between the directions of the table; multiplier and photometric factor cancel.
