@@ -182,7 +182,7 @@ fn document() -> impl Strategy<Value = (Value, Vec<u8>)> {
                         "interpolation": interpolation}]}],
                 "extensions": {"KHR_lights_punctual": {"lights": [{"type": kind, "color": color, "intensity": intensity,
                     "spot": {"innerConeAngle": inner, "outerConeAngle": outer}}]},
-                    "EXT_lights_area": {"lights": [{"type": ["rect", "disk"][usize::from(inner > outer)], "color": color,
+                    "EXT_lights_area": {"lights": [{"type": if inner > outer { "disk" } else { "rect" }, "color": color,
                         "intensity": intensity, "size": outer, "rect": {"aspect": inner}}]},
                     "EXT_lights_ies": {"lights": [{"bufferView": 0, "mimeType": "application/x-ies-lm-63"},
                         {"uri": IES}]}},
