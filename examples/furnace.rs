@@ -159,6 +159,7 @@ fn measure(scene: &SceneDescription, material: MaterialDescription) -> Extremes 
         transform: Affine3A::from_mat3_translation(Mat3::from_cols(x, z.cross(x), z), z * 10.0 * RADIUS),
         projection: Projection::Orthographic { ymag: 1.1 * RADIUS, aspect: None },
         clip: nephrite::scene::Clip::NONE,
+        lens: None,
     };
     let options = RenderOptions {
         width: PIXELS,

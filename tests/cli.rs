@@ -16,6 +16,8 @@ mod edit;
 mod inputs;
 #[path = "cli/lamps.rs"]
 mod lamps;
+#[path = "cli/lights.rs"]
+mod lights;
 #[cfg(unix)]
 #[path = "cli/machine.rs"]
 mod machine;

@@ -69,6 +69,13 @@ const MATERIAL: &[(&str, &str)] = &[
 /// An object for each extension of something else, and the array whose entries it belongs to.
 const OTHER: &[(&str, &str, &str)] = &[
     ("nodes", "KHR_lights_punctual", r#"{"light":0}"#),
+    ("nodes", "EXT_lights_area", r#"{"light":0}"#),
+    ("nodes", "EXT_lights_ies", r#"{"light":0,"multiplier":2,"color":[1,0.5,0.2]}"#),
+    (
+        "cameras",
+        "EXT_camera_physical",
+        r#"{"focalLength":0.05,"sensorSize":[0.036,0.024],"fStop":2.8,"focusDistance":3}"#,
+    ),
     ("nodes", "KHR_node_visibility", r#"{"visible":false}"#),
     ("nodes", "EXT_mesh_gpu_instancing", r#"{"attributes":{"TRANSLATION":0,"ROTATION":1,"SCALE":0}}"#),
     (
@@ -125,6 +132,10 @@ const STRINGS: &[&str] = &[
     "orthographic",
     "spot",
     "directional",
+    "rect",
+    "disk",
+    "application/x-ies-lm-63",
+    "data:,TILT=NONE%0A1 1 1 2 1 1 2 0 0 0 1 1 0 0 90 0 5 1",
     "image/webp",
     "image/ktx2",
     "KHR_draco_mesh_compression",

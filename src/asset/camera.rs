@@ -25,8 +25,15 @@ impl Loader<'_> {
             return Ok(());
         };
         let name = json.name_or(|| node.name.clone());
+        let mut camera = CameraDescription { name, transform, projection, clip, lens: None };
+        for extension in self.options.registry.iter() {
+            if let Some(own) = json.extension(extension.name()) {
+                own.as_object()?;
+                extension.camera(self, &own, &json, &mut camera)?;
+            }
+        }
         self.exact.cameras.push((self.scene.cameras.len(), node.world.translation));
-        self.scene.cameras.push(CameraDescription { name, transform, projection, clip });
+        self.scene.cameras.push(camera);
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use super::opened::Cache;
 use super::rebase::Exact;
 use super::texture::ImageSource;
 use crate::plural::count;
-use crate::scene::SceneDescription;
+use crate::scene::{PhotometricWeb, SceneDescription};
 
 /// Diagnostics beyond this many are counted, not kept.
 const MOST_DIAGNOSTICS: usize = 500;
@@ -260,6 +260,16 @@ impl<'a> Loader<'a> {
     pub fn spend_bytes(&mut self, bytes: u64, pointer: &str, what: &str) -> Result<(), AssetError> {
         self.totals.file_bytes = self.totals.file_bytes.saturating_add(bytes);
         Self::within(self.totals.file_bytes, self.options.limits.file_bytes, pointer, what, "file_bytes")
+    }
+
+    /// A light profile that has been read.
+    pub(crate) fn web(&self, index: usize) -> Option<Arc<PhotometricWeb>> {
+        self.cache.webs.get(&index).cloned()
+    }
+
+    /// Keeps a light profile for other nodes and moments.
+    pub(crate) fn keep_web(&mut self, index: usize, web: PhotometricWeb) -> Arc<PhotometricWeb> {
+        Arc::clone(self.cache.webs.entry(index).or_insert_with(|| Arc::new(web)))
     }
 
     /// How many more vertices and triangles the limits allow.

@@ -4,7 +4,7 @@
 //! most once, so that a graph which is not a tree cannot multiply. A node below itself is an error; one with two
 //! parents is kept below the first, with a warning. Transforms are accumulated in double precision.
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, Mat3, Vec3};
 
 use super::error::AssetError;
 use super::json::Json;
@@ -185,4 +185,16 @@ impl Loader<'_> {
         let rotation = if length > 0.0 && length.is_finite() { rotation / length } else { DQuat::IDENTITY };
         Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
     }
+}
+
+/// The axes of a light at a node and where it is, without scale: −Z is that of the node, +Y its as far as it is perpendicular,
+/// and nothing is mirrored. `None` where the scale leaves no direction.
+pub fn light_frame(world: &DAffine3) -> Option<(Mat3, Vec3)> {
+    let m = &world.matrix3;
+    let back = m.z_axis.try_normalize().or_else(|| m.x_axis.cross(m.y_axis).try_normalize())?;
+    let upwards = [m.y_axis, back.cross(m.x_axis), back.any_orthonormal_vector()];
+    let right = upwards.into_iter().find_map(|up| up.cross(back).try_normalize())?;
+    let frame = DMat3::from_cols(right, back.cross(right), back).as_mat3();
+    let position = world.translation.as_vec3();
+    (frame.is_finite() && position.is_finite()).then_some((frame, position))
 }

@@ -12,7 +12,7 @@ use super::animation::{Moment, apply};
 use super::error::shorten;
 use super::loader::Loader;
 use super::{Accessor, AssetError, Bytes, ImageSource, LoadOptions, Loaded, Summary, container, input, uri};
-use crate::scene::ImageData;
+use crate::scene::{ImageData, PhotometricWeb};
 
 /// A `.gltf` or `.glb` file that can be read at several moments of its animations.
 #[derive(Debug)]
@@ -38,6 +38,8 @@ pub(crate) struct Cache {
     pub views: HashMap<usize, Bytes>,
     /// Decoded images, by where they are in the file.
     pub images: HashMap<ImageSource, Arc<ImageData>>,
+    /// Light profiles of EXT_lights_ies, by index in the file.
+    pub webs: HashMap<usize, Arc<PhotometricWeb>>,
     /// Accessors of keyframes, by index in the file.
     pub keyframes: HashMap<usize, Arc<Accessor>>,
     /// First and last time of keyframes, or what is wrong with them, by the pointer of their accessor.

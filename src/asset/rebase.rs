@@ -15,8 +15,9 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::error::AssetError;
 use super::loader::Loader;
-use crate::scene::{CameraDescription, PunctualLight};
+use crate::scene::{AreaLight, CameraDescription, PunctualLight};
 
 /// Coordinates are far that are so many times as large as what they describe: they waste three of 24 bits.
 const FAR: f64 = 8.0;
@@ -29,6 +30,7 @@ pub(crate) struct Exact {
     pub instances: Vec<(usize, DVec3)>,
     pub cameras: Vec<(usize, DVec3)>,
     pub lights: Vec<(usize, DVec3)>,
+    pub area_lights: Vec<(usize, DVec3)>,
 }
 
 /// An object as the camera sees it.
@@ -47,6 +49,21 @@ impl Loader<'_> {
         self.scene.lights.push(light);
     }
 
+    /// Adds an area light to the scene, whose middle is known in double precision.
+    ///
+    /// # Errors
+    /// Where there are more of them, or of what they become, than the limits allow.
+    pub fn add_area_light(&mut self, light: AreaLight, position: DVec3) -> Result<(), AssetError> {
+        let needed = self.scene.instances.len() as u64 + self.scene.area_lights.len() as u64 + 1;
+        let what = "the scene, in instances and area lights,";
+        Self::within(needed, self.options.limits.instances, &light.pointer, what, "instances")?;
+        let (vertices, triangles) = light.shape.counts();
+        self.spend(vertices, triangles, &light.pointer)?;
+        self.exact.area_lights.push((self.scene.area_lights.len(), position));
+        self.scene.area_lights.push(light);
+        Ok(())
+    }
+
     /// Counts the positions of the scene from where the camera looks, if that is far away.
     pub(crate) fn rebase(&mut self) {
         let origin = self.cache.origin.unwrap_or_else(|| self.choose_origin());
@@ -61,9 +78,12 @@ impl Loader<'_> {
         let scene = &mut self.scene;
         let instances = scene.instances.iter_mut().map(|i| &mut i.transform.translation);
         let cameras = scene.cameras.iter_mut().map(|c| &mut c.transform.translation);
-        for (all, exact) in
-            [(instances.collect::<Vec<_>>(), exact.instances), (cameras.collect::<Vec<_>>(), exact.cameras)]
-        {
+        let area_lights = scene.area_lights.iter_mut().map(|l| &mut l.transform.translation);
+        for (all, exact) in [
+            (instances.collect::<Vec<_>>(), exact.instances),
+            (cameras.collect::<Vec<_>>(), exact.cameras),
+            (area_lights.collect::<Vec<_>>(), exact.area_lights),
+        ] {
             let mut places: Vec<DVec3> = all.iter().map(|t| t.as_dvec3()).collect();
             keep(exact, &mut places);
             all.into_iter().zip(places).for_each(|(t, place)| *t = (place - origin).as_vec3a());

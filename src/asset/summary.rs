@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -9,7 +10,8 @@ use super::animation::AnimationSummary;
 use super::loader::Loader;
 use crate::light::punctual;
 use crate::scene::{
-    AlphaMode, ImagePixels, MaterialDescription, Projection, PunctualKind, PunctualLight, SceneDescription,
+    AlphaMode, AreaLight, AreaShape, ImagePixels, Lens, MaterialDescription, Projection, PunctualKind,
+    PunctualLight, SceneDescription,
 };
 
 /// What is in a file.
@@ -39,7 +41,7 @@ pub struct Summary {
     pub images: Vec<ImageSummary>,
     /// Cameras of the scene.
     pub cameras: Vec<CameraSummary>,
-    /// Punctual lights of the scene.
+    /// Lights of the scene that are no meshes.
     pub lights: Vec<LightSummary>,
     /// All animations of the file.
     pub animations: Vec<AnimationSummary>,
@@ -144,18 +146,33 @@ pub struct CameraSummary {
     pub extent: f32,
     /// Width over height, if the file says so.
     pub aspect: Option<f32>,
+    /// What it looks through, if the file says so.
+    pub lens: Option<LensSummary>,
 }
 
-/// A punctual light of the scene.
+/// The lens of a camera (EXT_camera_physical).
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LensSummary {
+    /// Metres.
+    pub focal_length: f32,
+    /// Width and height, metres.
+    pub sensor: [f32; 2],
+    /// Focal length over the diameter of the opening.
+    pub f_stop: Option<f32>,
+    /// Metres.
+    pub focus_distance: Option<f32>,
+}
+
+/// A light of the scene that is no mesh.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LightSummary {
     /// Its name.
     pub name: String,
-    /// `point`, `spot` or `directional`.
+    /// `point`, `spot`, `directional`, `ies`, `rect` or `disk`.
     pub kind: &'static str,
-    /// Colour × intensity, in `unit`.
+    /// Colour × intensity, in `unit`; the largest of an IES light.
     pub intensity: [f32; 3],
-    /// `cd`, or `lx` where it is directional.
+    /// `cd` (point, spot, ies), `lx` (directional) or `cd/m²` (rect, disk).
     pub unit: &'static str,
     /// Luminous flux in lumens; `None` where it is directional. The range is not counted.
     pub power: Option<[f32; 3]>,
@@ -167,6 +184,8 @@ pub struct LightSummary {
     pub cone: Option<[f32; 2]>,
     /// Distance beyond which it has no effect, metres, if the file says so.
     pub range: Option<f32>,
+    /// Width and height in the world, metres (rect, disk).
+    pub size: Option<[f32; 2]>,
 }
 
 /// An extension and what becomes of it.
@@ -326,31 +345,59 @@ fn cameras(scene: &SceneDescription) -> Vec<CameraSummary> {
                 Projection::Perspective { yfov, aspect } => ("perspective", yfov, aspect),
                 Projection::Orthographic { ymag, aspect } => ("orthographic", ymag, aspect),
             };
-            CameraSummary { name: c.name.clone(), kind, extent, aspect }
+            let lens = c.lens.map(|l| {
+                let Lens { focal_length, sensor, f_stop, focus_distance } = l;
+                LensSummary { focal_length, sensor, f_stop, focus_distance }
+            });
+            CameraSummary { name: c.name.clone(), kind, extent, aspect, lens }
         })
         .collect()
 }
 
 fn lights(scene: &SceneDescription) -> Vec<LightSummary> {
-    let summary = |light: &PunctualLight| {
-        let (kind, cone) = match light.kind {
-            PunctualKind::Point => ("point", None),
-            PunctualKind::Spot { inner, outer } => ("spot", Some([inner, outer])),
-            PunctualKind::Directional => ("directional", None),
-        };
-        let solid_angle = punctual::solid_angle(light.kind);
-        let position = light.position.as_dvec3() + scene.origin;
-        LightSummary {
-            name: light.name.clone(),
-            kind,
-            intensity: light.intensity.to_array(),
-            unit: if solid_angle.is_some() { "cd" } else { "lx" },
-            power: solid_angle.map(|angle| (angle * light.intensity).to_array()),
-            position: solid_angle.is_some().then(|| position.to_array()),
-            direction: (light.kind != PunctualKind::Point).then(|| light.direction.to_array()),
-            cone,
-            range: light.range,
-        }
+    let punctual = scene.lights.iter().map(|light| punctual_light(light, scene.origin));
+    punctual.chain(scene.area_lights.iter().map(|light| area_light(light, scene.origin))).collect()
+}
+
+fn punctual_light(light: &PunctualLight, origin: DVec3) -> LightSummary {
+    let (kind, cone) = match &light.kind {
+        PunctualKind::Point => ("point", None),
+        PunctualKind::Spot { inner, outer } => ("spot", Some([*inner, *outer])),
+        PunctualKind::Directional => ("directional", None),
+        PunctualKind::Web(_) => ("ies", None),
     };
-    scene.lights.iter().map(summary).collect()
+    let solid_angle = punctual::solid_angle(&light.kind);
+    let position = light.position.as_dvec3() + origin;
+    let everywhere = matches!(light.kind, PunctualKind::Point);
+    LightSummary {
+        name: light.name.clone(),
+        kind,
+        intensity: light.intensity.to_array(),
+        unit: if solid_angle.is_some() { "cd" } else { "lx" },
+        power: solid_angle.map(|angle| (angle * light.intensity).to_array()),
+        position: solid_angle.is_some().then(|| position.to_array()),
+        direction: (!everywhere).then(|| light.direction.to_array()),
+        cone,
+        range: light.range,
+        size: None,
+    }
+}
+
+fn area_light(light: &AreaLight, origin: DVec3) -> LightSummary {
+    let position = Vec3::from(light.transform.translation).as_dvec3() + origin;
+    LightSummary {
+        name: light.name.clone(),
+        kind: match light.shape {
+            AreaShape::Rectangle => "rect",
+            AreaShape::Disk => "disk",
+        },
+        intensity: light.radiance.to_array(),
+        unit: "cd/m²",
+        power: Some(light.lumens().to_array()),
+        position: Some(position.to_array()),
+        direction: Some((-Vec3::from(light.transform.matrix3.z_axis)).to_array()),
+        cone: None,
+        range: None,
+        size: Some(light.size.to_array()),
+    }
 }

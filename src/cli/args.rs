@@ -81,6 +81,14 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
 
+    /// Blur what is not in focus: f-number of the lens [default: that of the camera (EXT_camera_physical), or all is sharp]
+    #[arg(long, value_name = "N", value_parser = above_zero)]
+    pub f_stop: Option<f32>,
+
+    /// Distance in metres at which the picture is sharp [default: that of the camera]
+    #[arg(long, value_name = "METRES", value_parser = above_zero)]
+    pub focus_distance: Option<f32>,
+
     /// Scene of the file [default: the file's own choice]
     #[arg(long, value_name = "N")]
     pub scene: Option<usize>,

@@ -54,8 +54,10 @@ impl LightUnits {
     }
 
     /// What the number of a light is multiplied by.
-    fn factor(self, kind: PunctualKind) -> f64 {
+    fn factor(self, kind: &PunctualKind) -> f64 {
         match (self, kind) {
+            // Blender's exporter writes no profiles.
+            (_, PunctualKind::Web(_)) => 1.0,
             (Self::Candela | Self::Unitless, _) | (Self::Watts, PunctualKind::Directional) => 1.0,
             (Self::Blender, _) => 1.0 / LUMENS_A_WATT,
             (Self::Watts, PunctualKind::Point | PunctualKind::Spot { .. }) => 1.0 / (4.0 * PI),
@@ -72,7 +74,7 @@ pub(super) fn light_units(text: &str) -> Result<LightUnits, String> {
 /// How the numbers of the file's punctual lights are read.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct LightArgs {
-    /// Multiply the intensity of the file's punctual lights
+    /// Multiply the intensity of the file's punctual and area lights
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = super::values::positive)]
     pub light_scale: f32,
 
@@ -92,16 +94,21 @@ impl LightArgs {
     /// Converts the lights of a scene.
     pub fn adjust(&self, scene: &mut SceneDescription) {
         for light in &mut scene.lights {
-            let factor = f64::from(self.light_scale) * self.light_units.factor(light.kind);
+            let factor = f64::from(self.light_scale) * self.light_units.factor(&light.kind);
             light.intensity = (light.intensity.as_dvec3() * factor).as_vec3().min(Vec3::splat(MOST));
+        }
+        for light in &mut scene.area_lights {
+            light.radiance = (light.radiance * self.light_scale).min(Vec3::splat(MOST));
         }
     }
 
     /// Lights that are not there are not converted.
     pub fn say_what_they_do(&self, scene: &SceneDescription, reporter: &Reporter) {
-        if scene.lights.is_empty() && self.is_asked() {
-            let option = if self.light_scale != 1.0 { "--light-scale" } else { "--light-units" };
-            reporter.note(format!("{option} does nothing: the file has no punctual lights"));
+        if self.light_units != LightUnits::Candela && scene.lights.is_empty() {
+            reporter.note("--light-units does nothing: the file has no punctual lights");
+        }
+        if self.light_scale != 1.0 && scene.lights.is_empty() && scene.area_lights.is_empty() {
+            reporter.note("--light-scale does nothing: the file has no punctual lights and no area lights");
         }
     }
 }
@@ -128,7 +135,7 @@ mod tests {
                     position: Vec3::ZERO,
                     direction: Vec3::NEG_Z,
                     range: None,
-                    kind,
+                    kind: kind.clone(),
                 };
                 let mut scene = SceneDescription { lights: vec![light], ..Default::default() };
                 LightArgs { light_scale: 2.0, light_units: units }.adjust(&mut scene);

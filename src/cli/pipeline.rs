@@ -132,7 +132,7 @@ pub(super) fn is_lamp(material: &MaterialDescription) -> bool {
     material.emission.max_element() > 0.0 && material.emission_texture.is_none()
 }
 
-/// Whether the scene brings its own light: punctual lights, an environment, or lamps.
+/// Whether the scene brings its own light: punctual and area lights, an environment, or lamps.
 pub(super) fn is_lit(scene: &SceneDescription) -> bool {
     let sky = match &scene.environment {
         EnvironmentDescription::Constant(radiance) => radiance.max_element() > 0.0,
@@ -140,7 +140,8 @@ pub(super) fn is_lit(scene: &SceneDescription) -> bool {
     };
     let shines = |&material: &u32| scene.materials.get(material as usize).is_some_and(is_lamp);
     let mut meshes = scene.instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
-    sky || !scene.lights.is_empty() || meshes.any(|mesh| mesh.triangle_materials.iter().any(shines))
+    let lights = !scene.lights.is_empty() || scene.area_lights.iter().any(|l| l.radiance != Vec3::ZERO);
+    sky || lights || meshes.any(|mesh| mesh.triangle_materials.iter().any(shines))
 }
 
 /// The environment that was asked for, or the studio where nothing else would shine. Says whether it is the studio.

@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::stats::Stopwatch;
 use super::values::{EnvArg, GroundArg};
 use super::warnings::warn_of_open_media;
-use crate::scene::{CameraDescription, EnvironmentDescription, Projection, SceneDescription};
+use crate::scene::{CameraDescription, EnvironmentDescription, Lens, Projection, SceneDescription};
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -90,6 +90,8 @@ impl Prepared {
         say_what_environment_options_do(args, &description, reporter);
         pipeline::adjust_environment(&mut description.environment, args.env_rotation, args.env_intensity);
         let (camera, (width, height)) = view(args.camera.as_deref(), size, &description, reporter)?;
+        let camera = focused(camera, args);
+        say_what_lens_options_do(args, &camera, reporter);
         let bounds = match args.ground {
             GroundArg::Color(_) => description.bounds(),
             _ => None,
@@ -149,7 +151,8 @@ impl Prepared {
         if let (GroundArg::Color(reflectance), Some(bounds)) = (args.ground, self.bounds) {
             description.add_ground_below(bounds, reflectance);
         }
-        Ok((pipeline::build(description)?, camera.unwrap_or_else(|| self.camera.clone())))
+        let camera = camera.map_or_else(|| self.camera.clone(), |camera| focused(camera, args));
+        Ok((pipeline::build(description)?, camera))
     }
 
     /// What to render with one model.
@@ -200,6 +203,10 @@ impl Prepared {
             recorded["light_scale"] = json!(args.lights.light_scale);
             recorded["light_units"] = json!(args.lights.light_units.name());
         }
+        if let Some((radius, focus)) = self.camera.lens.and_then(|lens| lens.aperture()) {
+            recorded["aperture_diameter"] = json!(2.0 * radius);
+            recorded["focus_distance"] = json!(focus);
+        }
         if let Some(variant) = &args.variant {
             recorded["variant"] = json!(variant);
         }
@@ -247,6 +254,35 @@ fn say_what_environment_options_do(args: &SceneArgs, scene: &SceneDescription, r
             reporter.note("--env-intensity does nothing: there is no environment (choose one with --env)");
         }
     }
+}
+
+/// The camera with the lens that was asked for: its own, or that of a full-frame camera, with another opening or focus.
+fn focused(mut camera: CameraDescription, args: &SceneArgs) -> CameraDescription {
+    if let Projection::Perspective { yfov, .. } = camera.projection
+        && (args.f_stop.is_some() || args.focus_distance.is_some())
+    {
+        let lens = camera.lens.unwrap_or_else(|| Lens::full_frame(yfov));
+        let (f_stop, focus_distance) =
+            (args.f_stop.or(lens.f_stop), args.focus_distance.or(lens.focus_distance));
+        camera.lens = Some(Lens { f_stop, focus_distance, ..lens });
+    }
+    camera
+}
+
+/// One of two options that belong together is more likely a mistake.
+fn say_what_lens_options_do(args: &SceneArgs, camera: &CameraDescription, reporter: &Reporter) {
+    let asked = match (args.f_stop, args.focus_distance) {
+        (Some(_), _) => "--f-stop",
+        (None, Some(_)) => "--focus-distance",
+        (None, None) => return,
+    };
+    let why = match (camera.projection, camera.lens) {
+        (Projection::Orthographic { .. }, _) => "parallel rays have no lens",
+        (_, Some(lens)) if lens.aperture().is_some() => return,
+        (_, Some(Lens { focus_distance: None, .. })) => "nothing says at which distance (--focus-distance)",
+        _ => "nothing says how wide the lens is open (--f-stop)",
+    };
+    reporter.note(format!("{asked} does nothing: {why}"));
 }
 
 /// The camera and the size of the picture.
@@ -333,6 +369,7 @@ mod tests {
             transform: Affine3A::IDENTITY,
             projection: Projection::Perspective { yfov: 1.0, aspect: Some(2.0) },
             clip: crate::scene::Clip::NONE,
+            lens: None,
         };
         SceneDescription { cameras: names.iter().map(camera).collect(), ..Default::default() }
     }

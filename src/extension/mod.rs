@@ -10,6 +10,7 @@
 
 mod animation_pointer;
 mod anisotropy;
+mod camera_physical;
 mod clearcoat;
 mod coat;
 mod diffuse_roughness;
@@ -22,6 +23,8 @@ mod fuzz;
 mod gpu_instancing;
 mod ior;
 mod iridescence;
+mod lights_area;
+mod lights_ies;
 mod lights_image_based;
 mod lights_punctual;
 mod mesh_manifold;
@@ -50,7 +53,7 @@ use crate::asset::{
     AssetError, Bytes, DecodedPrimitive, ImageSource, Json, Limits, Loader, MergedVertices, MutableProperty,
     NodeContext,
 };
-use crate::scene::{ImageData, MaterialDescription, TextureRef};
+use crate::scene::{CameraDescription, ImageData, MaterialDescription, TextureRef};
 
 /// Usual values of [`Extension::order`]; anything between is allowed.
 pub mod order {
@@ -238,6 +241,21 @@ pub trait Extension: Send + Sync {
         Ok(())
     }
 
+    /// Reads the extension of a camera. `camera` is the glTF camera, `out` what has been made of it so far.
+    ///
+    /// # Errors
+    /// Where the extension's content makes no sense.
+    fn camera(
+        &self,
+        loader: &mut Loader<'_>,
+        own: &Json<'_>,
+        camera: &Json<'_>,
+        out: &mut CameraDescription,
+    ) -> Result<(), AssetError> {
+        let _ = (loader, own, camera, out);
+        Ok(())
+    }
+
     /// The JSON pointer of the property that a channel of an animation changes; `None` to leave that to core glTF.
     ///
     /// # Errors
@@ -285,6 +303,7 @@ impl Registry {
         let table: Vec<Box<dyn Extension>> = vec![
             Box::new(animation_pointer::AnimationPointer),
             Box::new(anisotropy::Anisotropy),
+            Box::new(camera_physical::CameraPhysical),
             Box::new(clearcoat::Clearcoat),
             Box::new(coat::Coat),
             Box::new(diffuse_roughness::DiffuseRoughness(diffuse_roughness::FIRST_NAME)),
@@ -297,6 +316,8 @@ impl Registry {
             Box::new(gpu_instancing::GpuInstancing),
             Box::new(ior::Ior),
             Box::new(iridescence::Iridescence),
+            Box::new(lights_area::LightsArea),
+            Box::new(lights_ies::LightsIes),
             Box::new(lights_image_based::LightsImageBased),
             Box::new(lights_punctual::LightsPunctual),
             Box::new(mesh_manifold::MeshManifold),
@@ -360,6 +381,8 @@ impl std::fmt::Debug for Registry {
 mod compressed_tests;
 #[cfg(test)]
 mod draft_tests;
+#[cfg(test)]
+mod light_tests;
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]

@@ -266,7 +266,7 @@ fn lights_shine_along_minus_z_whatever_the_scale() {
     assert!((lights[0].direction - Vec3::NEG_Y).length() < 1e-6);
     assert_eq!(lights[1].kind, PunctualKind::Spot { inner: 0.0, outer: 0.5 });
     assert_eq!((lights[1].position, lights[1].direction), (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Z));
-    assert_eq!((lights[2].kind, lights[2].range), (PunctualKind::Point, Some(3.0)));
+    assert_eq!((&lights[2].kind, lights[2].range), (&PunctualKind::Point, Some(3.0)));
     assert!(told(&loaded, Severity::Warning, "/extensions/KHR_lights_punctual/lights/3/spot"));
     assert!(told(&loaded, Severity::Warning, "/extensions/KHR_lights_punctual/lights/4/type"));
     b.json["nodes"][0]["extensions"] = light(9);

@@ -34,12 +34,17 @@ pub(super) fn facing_irradiance(light: &PunctualLight, point: Vec3, normal: Opti
 }
 
 fn bounds(light: &PunctualLight) -> LightBounds {
-    let cone = match light.kind {
+    let cone = match &light.kind {
         PunctualKind::Spot { inner, outer } => {
             let spread = (outer - inner).max(0.0);
             Cone { axis: light.direction, axes: inner.max(0.0), spread, two_sided: false }
         }
-        _ => Cone::SPHERE,
+        PunctualKind::Web(web) => {
+            // Its largest candela may be anywhere within.
+            let (axis, axes) = web.cone();
+            Cone { axis, axes, spread: 0.0, two_sided: false }
+        }
+        PunctualKind::Point | PunctualKind::Directional => Cone::SPHERE,
     };
     LightBounds {
         low: light.position,

@@ -1,6 +1,7 @@
-//! Point, spot and directional lights as the glTF extension KHR_lights_punctual defines them.
+//! Lights without size: point, spot and directional as the glTF extension KHR_lights_punctual defines them, and measured ones
+//! as EXT_lights_ies does.
 //!
-//! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone`, or lux.
+//! Candela and lux in, irradiance on a surface that faces the light out: `I / d² × window × cone` or × web, or lux.
 
 use std::f32::consts::TAU;
 
@@ -61,14 +62,17 @@ pub fn direction_to(light: &PunctualLight, point: Vec3) -> Option<Vec3> {
 }
 
 /// What the luminous intensity on the axis of a light is multiplied by to give its luminous flux, steradians: 4π for a point,
-/// for a cone the integral of its ramp, 2π (vᵢ + (vₒ − vᵢ)/3) with v = 1 − cos θ of the inner and the outer angle. `None` for
-/// parallel light, which has no end. The range is not counted: it takes light away with the distance.
-pub fn solid_angle(kind: PunctualKind) -> Option<f32> {
+/// for a cone the integral of its ramp, 2π (vᵢ + (vₒ − vᵢ)/3) with v = 1 − cos θ of the inner and the outer angle, for a
+/// measured light its flux over its largest intensity. `None` for parallel light, which has no end. The range is not counted: it takes light away with the distance.
+pub fn solid_angle(kind: &PunctualKind) -> Option<f32> {
     match kind {
         PunctualKind::Point => Some(2.0 * TAU),
-        PunctualKind::Spot { inner, outer } => {
+        &PunctualKind::Spot { inner, outer } => {
             let versine = |angle: f32| 2.0 * (0.5 * angle).sin().powi(2);
             Some(TAU * (versine(inner) + (versine(outer) - versine(inner)) / 3.0))
+        }
+        PunctualKind::Web(web) => {
+            Some((web.web().lumens() / f64::from(web.web().largest().max(f32::MIN_POSITIVE))) as f32)
         }
         PunctualKind::Directional => None,
     }
@@ -92,8 +96,12 @@ pub fn irradiance(light: &PunctualLight, point: Vec3) -> Option<PunctualIrradian
         return None;
     }
     let mut attenuation = distance_attenuation(distance_squared, light.range);
-    if let PunctualKind::Spot { inner, outer } = light.kind {
-        attenuation *= spot_attenuation((direction + light.direction).length_squared(), inner, outer);
+    match &light.kind {
+        PunctualKind::Spot { inner, outer } => {
+            attenuation *= spot_attenuation((direction + light.direction).length_squared(), *inner, *outer);
+        }
+        PunctualKind::Web(web) => attenuation *= web.relative(-direction),
+        PunctualKind::Point | PunctualKind::Directional => {}
     }
     let irradiance = light.intensity * attenuation;
     (irradiance.max_element() > 0.0 && irradiance.is_finite()).then_some(PunctualIrradiance {
@@ -131,12 +139,12 @@ mod tests {
                     f64::from(spot_attenuation((2.0 * versine) as f32, inner, outer)) * width
                 })
                 .sum();
-            let found = f64::from(solid_angle(PunctualKind::Spot { inner, outer }).unwrap());
+            let found = f64::from(solid_angle(&PunctualKind::Spot { inner, outer }).unwrap());
             let expected = std::f64::consts::TAU * sum;
             assert!((found / expected - 1.0).abs() < 1e-3, "{inner} {outer}: {found} {expected}");
         }
-        assert_eq!(solid_angle(PunctualKind::Point), Some(4.0 * std::f32::consts::PI));
-        assert_eq!(solid_angle(PunctualKind::Directional), None);
+        assert_eq!(solid_angle(&PunctualKind::Point), Some(4.0 * std::f32::consts::PI));
+        assert_eq!(solid_angle(&PunctualKind::Directional), None);
     }
 
     #[test]

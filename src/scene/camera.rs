@@ -1,8 +1,9 @@
-//! Cameras as ray generators, and the automatic framing used when a file has none.
+//! Cameras as ray generators, pinholes or with a lens ([`super::lens`]), and the automatic framing used when a file has none.
 
 use super::Footprint;
 use super::description::{CameraDescription, Clip, Projection};
 use crate::geometry::Ray;
+use crate::sampling::warp;
 use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 /// Full vertical field of view of the automatic camera, radians (35°, a 57 mm lens on full frame).
@@ -20,6 +21,8 @@ pub struct Camera {
     orthographic: bool,
     size: Vec2,
     clip: Clip,
+    /// Radius of the opening and distance of focus; `None` for pinholes.
+    aperture: Option<(f32, f32)>,
 }
 
 impl Camera {
@@ -43,6 +46,7 @@ impl Camera {
             orthographic,
             size: Vec2::new(width as f32, height as f32),
             clip: description.clip,
+            aperture: description.lens.filter(|_| !orthographic).and_then(|lens| lens.aperture()),
         }
     }
 
@@ -69,10 +73,43 @@ impl Camera {
         }
     }
 
+    /// Whether rays start all over a lens.
+    pub fn has_lens(&self) -> bool {
+        self.aperture.is_some()
+    }
+
+    /// The ray from a point of the lens, `u` in the unit square, to where [`Self::ray`] meets the plane of focus; it starts
+    /// at the near plane, too. Without a lens it is that ray.
+    pub fn lens_ray(&self, raster: Vec2, u: Vec2) -> Ray {
+        let Some((radius, focus)) = self.aperture else { return self.ray(raster) };
+        let lens = radius * warp::concentric_disk(u);
+        let way = self.plane(raster) - lens / focus;
+        let start = lens + self.clip.near * way;
+        let origin = self.origin + self.axes * start.extend(-self.clip.near);
+        Ray { origin, direction: (self.axes * way.extend(-1.0)).normalize(), t_max: f32::INFINITY }
+    }
+
+    /// Corners of a rectangle that holds where all rays start.
+    pub fn starts(&self) -> [Vec3; 4] {
+        let Self { size, aperture, clip: Clip { near, .. }, .. } = *self;
+        let Some((radius, focus)) = aperture else {
+            return [Vec2::ZERO, Vec2::new(size.x, 0.0), Vec2::new(0.0, size.y), size]
+                .map(|corner| self.ray(corner).origin);
+        };
+        let half = near * self.half_extent + radius * (1.0 - near / focus).abs();
+        [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+            .map(|(x, y)| self.origin + self.axes * (Vec2::new(x, y) * half).extend(-near))
+    }
+
+    /// Where a point of the picture is on the plane at depth 1, or on any plane for parallel rays.
+    fn plane(&self, raster: Vec2) -> Vec2 {
+        let ndc = raster / self.size * 2.0 - Vec2::ONE;
+        Vec2::new(ndc.x, -ndc.y) * self.half_extent
+    }
+
     /// The ray through `raster`, in pixels from the top left corner; it starts at the near plane.
     pub fn ray(&self, raster: Vec2) -> Ray {
-        let ndc = raster / self.size * 2.0 - Vec2::ONE;
-        let plane = Vec2::new(ndc.x, -ndc.y) * self.half_extent;
+        let plane = self.plane(raster);
         if self.orthographic {
             let origin = self.origin + self.axes * Vec3::new(plane.x, plane.y, -self.clip.near);
             Ray { origin, direction: -self.axes.z_axis, t_max: f32::INFINITY }
@@ -106,12 +143,14 @@ pub fn auto_camera(min: Vec3, max: Vec3, aspect: f32) -> CameraDescription {
         transform: Affine3A::from_mat3_translation(Mat3::from_cols(right, up, toward_eye), eye),
         projection: Projection::Perspective { yfov: AUTO_YFOV, aspect: None },
         clip: Clip::NONE,
+        lens: None,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Lens;
 
     #[test]
     fn the_centre_ray_looks_along_minus_z_and_the_top_row_looks_up() {
@@ -120,6 +159,7 @@ mod tests {
             transform: Affine3A::IDENTITY,
             projection: Projection::Perspective { yfov: std::f32::consts::FRAC_PI_2, aspect: None },
             clip: Clip::NONE,
+            lens: None,
         };
         let camera = Camera::new(&c, 200, 100);
         assert!((camera.ray(Vec2::new(100.0, 50.0)).direction - Vec3::NEG_Z).length() < 1e-6);
@@ -141,6 +181,7 @@ mod tests {
                 transform: Affine3A::from_mat3_translation(turn, Vec3::new(1.0, 2.0, 3.0)),
                 projection,
                 clip: Clip { near: 2.0, far: 5.0 },
+                lens: None,
             };
             let camera = Camera::new(&description, 200, 100);
             for raster in [Vec2::ZERO, Vec2::new(30.0, 99.0), Vec2::new(100.0, 50.0)] {
@@ -161,6 +202,60 @@ mod tests {
                 eye.travel(1.0 + (origin - free.origin).length());
                 assert!((near.width - eye.width).abs() < 1e-5 * eye.width);
             }
+        }
+    }
+
+    #[test]
+    fn rays_of_a_lens_meet_on_the_plane_of_focus_and_start_within_the_rectangle() {
+        let lens =
+            Lens { focal_length: 0.4, sensor: [0.036, 0.024], f_stop: Some(2.0), focus_distance: Some(4.0) };
+        for near in [0.0, 0.5, 4.0, 6.0] {
+            let description = CameraDescription {
+                name: String::new(),
+                transform: Affine3A::from_mat3_translation(
+                    Mat3::from_rotation_y(0.5),
+                    Vec3::new(1.0, 2.0, 3.0),
+                ),
+                projection: Projection::Perspective { yfov: 1.2, aspect: None },
+                clip: Clip { near, far: 9.0 },
+                lens: Some(lens),
+            };
+            let camera = Camera::new(&description, 200, 100);
+            let sharp = Camera::new(&CameraDescription { lens: None, ..description.clone() }, 200, 100);
+            let to_camera = description.transform.inverse();
+            let starts = camera.starts().map(|c| to_camera.transform_point3(c));
+            let mut widest = 0.0_f32;
+            for i in 0..64 {
+                let u = Vec2::new((i % 8) as f32 / 7.0, (i / 8) as f32 / 7.0).min(Vec2::splat(0.999_999));
+                let raster = Vec2::new(3.1 * i as f32, (7 * i % 100) as f32);
+                let (ray, middle) = (camera.lens_ray(raster, u), sharp.ray(raster));
+                let origin = to_camera.transform_point3(ray.origin);
+                let at_depth = |r: &Ray, depth: f32| {
+                    let (o, d) =
+                        (to_camera.transform_point3(r.origin), to_camera.transform_vector3(r.direction));
+                    o + d * ((-depth - o.z) / d.z)
+                };
+                assert!((origin.z + near).abs() < 1e-5);
+                assert!((at_depth(&ray, 4.0) - at_depth(&middle, 4.0)).length() < 1e-5, "focus");
+                // At the depth d the cone has the radius A/2 · |d − s| / s.
+                let off = (at_depth(&ray, 9.0) - at_depth(&middle, 9.0)).truncate().length();
+                widest = widest.max(off);
+                assert!(off <= 0.1 * 5.0 / 4.0 + 1e-5, "{off}");
+                let inside = |x: f32, a: f32, b: f32| a.min(b) - 1e-5 <= x && x <= a.max(b) + 1e-5;
+                assert!(
+                    inside(origin.x, starts[0].x, starts[1].x) && inside(origin.y, starts[0].y, starts[2].y)
+                );
+            }
+            assert!((widest - 0.125).abs() < 1e-4, "{widest}");
+            // Stopped down it is a pinhole; parallel rays have no lens.
+            let closed = Lens { f_stop: Some(1e9), ..lens };
+            let closed =
+                Camera::new(&CameraDescription { lens: Some(closed), ..description.clone() }, 200, 100);
+            let (a, b) =
+                (closed.lens_ray(Vec2::new(20.0, 30.0), Vec2::ZERO), sharp.ray(Vec2::new(20.0, 30.0)));
+            assert!((a.origin - b.origin).length() < 1e-6 && (a.direction - b.direction).length() < 1e-6);
+            let projection = Projection::Orthographic { ymag: 1.0, aspect: None };
+            assert!(!Camera::new(&CameraDescription { projection, ..description }, 8, 8).has_lens());
         }
     }
 

@@ -92,8 +92,10 @@ pub struct Scene {
     pub(super) pyramids: Pyramids,
     /// Whether any medium refracts wavelengths differently.
     pub has_dispersion: bool,
-    /// Whether any surface lets shadow rays pass: alpha, or a boundary without contrast.
+    /// Whether any surface lets shadow rays pass: alpha, a boundary without contrast, or an area light from behind.
     pub has_see_through: bool,
+    /// Whether there are area lights, which are not there from behind.
+    pub has_area_lights: bool,
     /// Of each mesh.
     pub(super) facts: Vec<MeshFacts>,
     pub(super) normal_matrices: Vec<Mat3>,
@@ -113,6 +115,7 @@ impl Scene {
 
     fn build_here(mut description: SceneDescription) -> Result<Self, SceneError> {
         check_indices(&description)?;
+        description.make_area_lights();
         description.check_needs()?;
         let media: Vec<_> = description.materials.iter().map(|m| m.medium.as_ref().map(medium)).collect();
         let holds_medium: Vec<bool> = description
@@ -156,6 +159,7 @@ impl Scene {
             .collect();
         let mut scene = Self {
             has_see_through: false,
+            has_area_lights: description.materials.iter().any(|m| m.area_light),
             has_dispersion: description.materials.iter().any(|m| m.dispersion() > 0.0),
             objects: vec![Object::default(); description.instances.len()],
             lights: Lights::build(Vec::new(), &[], &EnvironmentDescription::default()),
@@ -172,11 +176,12 @@ impl Scene {
         };
         let emitters = scene.emissive_triangles();
         scene.compile_objects(&holds_medium, &emitters);
-        scene.has_see_through = scene.objects.iter().any(|o| o.has_medium && o.overlapped)
+        let see_through = scene.objects.iter().any(|o| o.has_medium && o.overlapped)
             || scene.description.materials.iter().any(|m| {
                 m.alpha_mode != AlphaMode::Opaque
                     || m.medium.as_ref().is_some_and(|m| m.ior < LEAST_AIMED_INDEX)
             });
+        scene.has_see_through = see_through || scene.has_area_lights;
         let punctual = &scene.description.lights;
         let environment = &scene.description.environment;
         scene.lights = Lights::build(emitters, punctual, environment);
@@ -187,7 +192,7 @@ impl Scene {
             let rough = scene.boundary_is_rough(i as u32) && scene.is_covered(i as u32);
             let bare = scene.has_bare_boundary(i as u32);
             let object = &mut scene.objects[i];
-            let clear = rough || !scene.has_see_through;
+            let clear = rough || !see_through;
             object.aimable = aimable && clear && bare && object.distance.is_some() && !object.lit_inside;
         }
         Ok(scene)

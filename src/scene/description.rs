@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 pub use super::image::{ColorSpace, ImageData, ImagePixels, Minify, TextureDescription, TextureRef, Wrap};
 
-use super::{DerivedLimits, Layers};
+use super::{AreaLight, DerivedLimits, Layers, Lens, TurnedWeb};
 use glam::{Affine3A, DVec3, Vec2, Vec3, Vec4};
 
 /// Everything that can be seen, as plain data.
@@ -27,6 +27,8 @@ pub struct SceneDescription {
     pub cameras: Vec<CameraDescription>,
     /// Point, spot and directional lights.
     pub lights: Vec<PunctualLight>,
+    /// Lights with an area that are no mesh.
+    pub area_lights: Vec<AreaLight>,
     /// Light from infinitely far away.
     pub environment: EnvironmentDescription,
     /// Where the zero of all positions here is in the world of the file. Single precision counts from here; what is
@@ -125,6 +127,8 @@ pub struct MaterialDescription {
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is what the camera sees.
     pub unlit: bool,
+    /// What an [`AreaLight`] is made of: from behind it is not there, and the camera does not see it straight.
+    pub area_light: bool,
     /// Index of refraction of the boundary.
     pub ior: f32,
     /// Strength of the dielectric specular reflection (KHR_materials_specular's factor; 1 without it).
@@ -164,6 +168,7 @@ impl Default for MaterialDescription {
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
+            area_light: false,
             ior: 1.5,
             specular: 1.0,
             specular_color: Vec3::ONE,
@@ -282,6 +287,8 @@ pub struct CameraDescription {
     pub projection: Projection,
     /// Between which depths it sees.
     pub clip: Clip,
+    /// The lens that it stands for, if its file says; without one it is a pinhole.
+    pub lens: Option<Lens>,
 }
 
 /// The planes, perpendicular to the view, between which a camera sees (`znear` and `zfar` of glTF), metres from the eye.
@@ -331,11 +338,11 @@ pub enum Projection {
 pub struct PunctualLight {
     /// Name for messages.
     pub name: String,
-    /// Linear colour × intensity: candela for point and spot, lux for directional.
+    /// Linear colour × intensity: candela for point and spot, lux for directional; the largest candela of a web.
     pub intensity: Vec3,
-    /// World position (point and spot).
+    /// World position (all but directional).
     pub position: Vec3,
-    /// Unit world direction in which the light shines (spot and directional).
+    /// Unit world direction in which the light shines (all but point).
     pub direction: Vec3,
     /// Distance beyond which a point or spot light has no effect (KHR_lights_punctual's windowed fall-off).
     pub range: Option<f32>,
@@ -344,7 +351,7 @@ pub struct PunctualLight {
 }
 
 /// The kinds of punctual light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum PunctualKind {
     /// All directions.
     Point,
@@ -357,6 +364,8 @@ pub enum PunctualKind {
     },
     /// Parallel light.
     Directional,
+    /// As a luminaire was measured (EXT_lights_ies).
+    Web(Arc<TurnedWeb>),
 }
 
 /// Light from infinitely far away.

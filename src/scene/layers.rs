@@ -228,6 +228,13 @@ impl MaterialDescription {
         self.transmission > 0.0 || diffuse().is_some()
     }
 
+    /// Whether a path that meets a side of the surface passes it as if it were not there: an area light from behind, or as
+    /// what the camera sees straight.
+    #[inline]
+    pub fn is_absent(&self, front: bool, direct_view: bool) -> bool {
+        self.area_light && (direct_view || !front)
+    }
+
     /// Whether nothing behind the surface can be seen through it: no blending, no transmission, no medium.
     pub fn is_opaque(&self) -> bool {
         self.alpha_mode != AlphaMode::Blend && !self.is_see_through() && self.medium.is_none()

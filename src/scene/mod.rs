@@ -4,6 +4,7 @@
 //! acceleration structures, lights, and for every object with a medium what transport wants to know (is it closed,
 //! does it contain anything else, which of two overlapping objects wins).
 
+mod area_light;
 pub(crate) mod bounds;
 mod camera;
 mod compile;
@@ -15,6 +16,7 @@ mod image;
 mod intruders;
 mod layering;
 pub mod layers;
+mod lens;
 mod material;
 mod mesh_facts;
 mod needs;
@@ -23,7 +25,9 @@ mod pyramid;
 mod seams;
 mod surface;
 pub mod texture;
+mod web;
 
+pub use area_light::{AreaLight, AreaShape};
 pub use camera::{Camera, auto_camera};
 pub(crate) use compile::raise as raise_limit;
 pub use compile::{Scene, SceneError};
@@ -31,9 +35,11 @@ pub use description::*;
 pub use footprint::Footprint;
 pub use intruders::{Intruder, Intruders};
 pub use layers::Layers;
+pub use lens::Lens;
 pub use material::Shading;
 pub use needs::DerivedLimits;
 pub use object::{NEARLY_SMOOTH, Object};
 pub use pyramid::Pyramid;
 pub use seams::Analysed;
 pub use surface::Surface;
+pub use web::{PhotometricWeb, Photometry, TurnedWeb, WebError};

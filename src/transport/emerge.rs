@@ -20,6 +20,9 @@ use glam::{Mat3, Vec3};
 /// The lobe number that chooses refraction where there is any.
 const REFRACT: f32 = 1.0 - f32::EPSILON / 2.0;
 
+/// Area lights from behind that a ray may pass, so that none goes on for ever.
+const MOST_ABSENT: u32 = 1 << 16;
+
 /// The lights, as a flight sees them.
 pub(super) struct FlightLights<'a, 'b> {
     tracer: &'a PathTracer<'b>,
@@ -34,6 +37,26 @@ pub(super) struct FlightLights<'a, 'b> {
 impl<'a, 'b> FlightLights<'a, 'b> {
     pub fn new(tracer: &'a PathTracer<'b>, stack: MediumStack, enclosure: Enclosure) -> Self {
         Self { tracer, stack, enclosure, radiance: Vec3::ZERO, vertex: None }
+    }
+
+    /// What a ray meets, area lights from behind left out.
+    fn intersect_beyond_absent(&self, mut origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let scene = self.tracer.scene;
+        let is_absent = |hit: &Hit| {
+            let surface = Surface::new(scene, hit);
+            let front = direction.dot(surface.geometric_normal) < 0.0;
+            scene.material(surface.material).is_absent(front, false)
+        };
+        for _ in 0..MOST_ABSENT {
+            let hit = scene.geometry.intersect(&Ray { origin, direction, t_max: f32::INFINITY })?;
+            let others = || scene.geometry.place(&hit, direction).iter().any(|(other, _)| !is_absent(other));
+            if !scene.has_area_lights || !is_absent(&hit) || (hit.crowded && others()) {
+                return Some(hit);
+            }
+            let surface = Surface::new(scene, &hit);
+            origin = offset_origin(surface.position, surface.error, surface.geometric_normal, direction);
+        }
+        None
     }
 
     /// Light found by refracting on through a smooth or nearly smooth boundary.
@@ -52,8 +75,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
         let origin = offset_origin(from, shaded.surface.error, n, direction);
         self.tracer.count_ray();
         let scene = self.tracer.scene;
-        let ray = Ray { origin, direction, t_max: f32::INFINITY };
-        let (light, density) = match scene.geometry.intersect(&ray) {
+        let (light, density) = match self.intersect_beyond_absent(origin, direction) {
             None => {
                 let density = scene.lights.environment_pdf_at(&shaded.anchor, direction);
                 (scene.lights.environment_radiance(direction), density)

@@ -62,7 +62,8 @@ impl PathTracer<'_> {
         let face = wo.dot(surface.geometric_normal) > 0.0;
         let see_through = material.is_see_through() || bounds_medium;
 
-        let culled = path.direct_view && !face && !material.double_sided && !see_through;
+        let culled = path.direct_view && !face && !material.double_sided && !see_through
+            || material.is_absent(face, path.direct_view);
         let open = path.place.as_deref().is_some_and(InPlace::is_open);
         if culled || open || !self.covered(material.alpha_mode, &surface, sampler) {
             if let Some(place) = &mut path.place {
@@ -77,6 +78,9 @@ impl PathTracer<'_> {
         }
         if self.scene.lights.has_emitters() {
             *radiance += self.emission_of(surfaces, surface.footprint, path);
+        }
+        if material.area_light {
+            return false;
         }
 
         let (mut eta, mut dispersed) = (1.0, 1.0);

@@ -49,7 +49,11 @@ impl PathTracer<'_> {
     /// One sample of the pixel at (x, y).
     pub(super) fn sample_pixel(&self, x: u32, y: u32, sampler: &mut Sampler) -> PixelSample {
         let raster = Vec2::new(x as f32, y as f32) + sampler.next_2d();
-        let mut sample = self.trace(self.camera.ray(raster), sampler);
+        let ray = match self.camera.has_lens() {
+            true => self.camera.lens_ray(raster, sampler.next_2d()),
+            false => self.camera.ray(raster),
+        };
+        let mut sample = self.trace(ray, sampler);
         if !sample.radiance.is_finite() {
             self.count(|c| c.invalid += 1);
             sample.radiance = Vec3::ZERO;

@@ -77,6 +77,10 @@ impl InPlace {
         let stretch = if own > 0.0 { farthest / own } else { 1.0 };
         let place_error = first.error * stretch + (farthest - own * stretch).max(0.0) * n.abs();
 
+        surfaces.retain(|s| {
+            let front = direction.dot(s.geometric_normal) < 0.0;
+            !scene.material(s.material).is_absent(front, direct_view)
+        });
         let is_culled = |s: &Surface| {
             let material = scene.material(s.material);
             let back = direction.dot(s.geometric_normal) >= 0.0;

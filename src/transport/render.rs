@@ -14,7 +14,7 @@ use crate::optics::Microfacet;
 use crate::sampling::Sampler;
 use crate::scene::{Camera, CameraDescription, Scene};
 use crate::subsurface::{Propagator, Registry, Stop};
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::sync::{OnceLock, atomic::AtomicU64, atomic::Ordering};
@@ -269,8 +269,7 @@ impl Job<'_> {
     fn run(&self) -> Rendered {
         let &RenderOptions { width, height, spp, .. } = self.options;
         let camera = Camera::new(&self.options.camera, width, height);
-        let size = Vec2::new(width as f32, height as f32);
-        let surroundings = Surroundings::new(self.scene, &camera, size);
+        let surroundings = Surroundings::new(self.scene, &camera);
         let mut tiles = tiles(width, height, self.has_coverage());
         let total = u64::from(width) * u64::from(height) * u64::from(spp);
         let done = AtomicU64::new(0);

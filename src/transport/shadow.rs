@@ -179,7 +179,11 @@ impl PathTracer<'_> {
     /// What a sheet, or the boundaries of media in one place, let through in a straight line, with the stack after them;
     /// everything where they are `open`.
     fn passed(&self, surfaces: &[Surface], open: bool, direction: Vec3, stack: &mut MediumStack) -> Vec3 {
-        let coverage = |surface: &Surface| if open { 0.0 } else { self.coverage(surface) };
+        let absent = |surface: &Surface| {
+            let front = direction.dot(surface.geometric_normal) < 0.0;
+            self.scene.material(surface.material).is_absent(front, false)
+        };
+        let coverage = |surface: &Surface| if open || absent(surface) { 0.0 } else { self.coverage(surface) };
         if !self.bounds_medium(&surfaces[0]) {
             return Vec3::splat(1.0 - coverage(&surfaces[0]));
         }

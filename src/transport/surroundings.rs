@@ -1,13 +1,13 @@
 //! The media around the starts of camera rays: a path has to know them before it meets the first boundary.
 //!
-//! Rays start at the near plane of the camera: at one point where there is none, else each at a point of its own, some
-//! inside of an object and some beside it. An object that no surface of comes as near to the centre of those points as the
+//! Rays start at the near plane of the camera: at one point where there is neither that nor a lens, else each at a point of
+//! its own, some inside of an object and some beside it. An object that no surface of comes as near to the centre of those points as the
 //! farthest of them is around all or none of them; of the others the question is asked for each ray.
 
 use super::media::{Enclosure, MediumStack};
 use crate::geometry::Aabb;
 use crate::scene::{Camera, Scene};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Room for roundings, as a factor.
 const MARGIN: f32 = 1.001;
@@ -21,10 +21,9 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of a camera with a picture of `size` pixels.
-    pub fn new(scene: &Scene, camera: &Camera, size: Vec2) -> Self {
-        let corners = [Vec2::ZERO, Vec2::new(size.x, 0.0), Vec2::new(0.0, size.y), size];
-        let corners = corners.map(|c| camera.ray(c).origin);
+    /// Of a camera.
+    pub fn new(scene: &Scene, camera: &Camera) -> Self {
+        let corners = camera.starts();
         let starts = Aabb::from_points(&corners);
         let mut found = Self { around: MediumStack::default(), undecided: Vec::new() };
         for i in 0..scene.objects.len() as u32 {

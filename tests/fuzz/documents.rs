@@ -7,6 +7,9 @@ use serde_json::{Value, json};
 
 use super::{bounded, fuzzing};
 
+/// A light profile of one plane.
+const IES: &str = "data:,TILT=NONE%0A1 1 1 2 1 1 2 0 0 0 1 1 0 0 90 0 5 1";
+
 /// Documents that are tried.
 const CASES: u32 = 512;
 
@@ -178,9 +181,24 @@ fn document() -> impl Strategy<Value = (Value, Vec<u8>)> {
                     "samplers": [{"input": input, "output": output,
                         "interpolation": interpolation}]}],
                 "extensions": {"KHR_lights_punctual": {"lights": [{"type": kind, "color": color, "intensity": intensity,
-                    "spot": {"innerConeAngle": inner, "outerConeAngle": outer}}]}},
+                    "spot": {"innerConeAngle": inner, "outerConeAngle": outer}}]},
+                    "EXT_lights_area": {"lights": [{"type": if inner > outer { "disk" } else { "rect" }, "color": color,
+                        "intensity": intensity, "size": outer, "rect": {"aspect": inner}}]},
+                    "EXT_lights_ies": {"lights": [{"bufferView": 0, "mimeType": "application/x-ies-lm-63"},
+                        {"uri": IES}]}},
             });
-            document["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+            // One kind of light each, since most numbers are wrong for one of them.
+            let (name, used) = [
+                ("KHR_lights_punctual", json!({"light": 0})),
+                ("EXT_lights_area", json!({"light": 0})),
+                ("EXT_lights_ies", json!({"light": usize::from(kind != "area"), "multiplier": intensity, "color": color})),
+            ][children[7] % 3]
+                .clone();
+            document["nodes"][0]["extensions"][name] = used;
+            if children[6] % 3 == 0 {
+                document["cameras"][0]["extensions"]["EXT_camera_physical"] = json!({"focalLength": outer,
+                    "sensorSize": [inner, outer], "fStop": intensity, "focusDistance": inner});
+            }
             if kind == "area" {
                 let node = document["nodes"][0].as_object_mut().expect("an object");
                 node.retain(|key, _| !["translation", "rotation", "scale"].contains(&key.as_str()));

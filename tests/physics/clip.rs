@@ -22,6 +22,7 @@ fn camera(projection: Projection, near: f32, far: f32) -> CameraDescription {
         transform: Affine3A::from_translation(5.0 * Vec3::Z),
         projection,
         clip: Clip { near, far },
+        lens: None,
     }
 }
 

@@ -188,6 +188,7 @@ pub fn ortho(direction: Vec3, distance: f32, ymag: f32) -> CameraDescription {
         transform: Affine3A::from_mat3_translation(Mat3::from_cols(x, z.cross(x), z), z * distance),
         projection: Projection::Orthographic { ymag, aspect: None },
         clip: nephrite::scene::Clip::NONE,
+        lens: None,
     }
 }
 

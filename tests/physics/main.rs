@@ -2,6 +2,7 @@
 //! invariants. Every statistical statement holds with |z| < 4 for the fixed seed.
 
 mod aiming;
+mod area_lights;
 mod arrangements;
 mod clip;
 mod close_lamps;
@@ -10,11 +11,14 @@ mod determinism;
 mod directed_models;
 mod exit_search;
 mod furnace;
+mod gltf;
 mod half_space;
 mod inner_lamps;
 mod lab;
+mod lens;
 mod lights;
 mod materials;
+mod measured_lights;
 mod media;
 mod model_media;
 mod models;

@@ -172,6 +172,7 @@ fn a_camera_inside_of_a_medium_sees_what_the_medium_leaves() {
             transform: Affine3A::IDENTITY,
             projection: Projection::Perspective { yfov: 1e-3, aspect: None },
             clip: nephrite::scene::Clip::NONE,
+            lens: None,
         };
         assert_transmits(scene, camera, 3.0 * (-sigma * inside).exp(), &format!("emitter at {distance}"));
     }

@@ -90,6 +90,7 @@ fn alpha_is_coverage_and_colours_are_premultiplied() {
         transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
         projection: Projection::Orthographic { ymag: 0.75, aspect: None },
         clip: nephrite::scene::Clip::NONE,
+        lens: None,
     };
     // Three columns: covered, half covered, open.
     let clear = RenderOptions { transparent: true, ..options(camera, 3, 1024) };
@@ -149,6 +150,7 @@ fn small_textures_are_averaged_over_the_part_of_a_pixel_that_a_sample_stands_for
         transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
         projection: Projection::Orthographic { ymag: 1.0, aspect: None },
         clip: nephrite::scene::Clip::NONE,
+        lens: None,
     };
     // 37 × 37 texels a pixel, 16 samples: each stands for 9 × 9 of them.
     let noise = |minify, filter_textures| {

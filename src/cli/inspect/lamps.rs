@@ -66,14 +66,20 @@ pub(super) fn lamps(scene: &SceneDescription) -> Vec<LampReport> {
         .collect()
 }
 
-/// A punctual light in words; `of_blender` adds the strength that it has there, if it was written in candela.
+/// A light in words; `of_blender` adds the strength that it has there, if it was written in candela.
 pub(super) fn describe_light(light: &LightSummary, of_blender: bool) -> String {
     let LightSummary { name, intensity, unit, power, .. } = light;
     let mut text = format!("{name:?}: {} {unit}", triple(intensity.map(Some)));
+    match (light.kind, light.size) {
+        ("ies", _) => text += " at most",
+        ("disk", Some([width, height])) if width == height => text += &format!(", {} across", length(width)),
+        (_, Some([width, height])) => text += &format!(", {} × {}", length(width), length(height)),
+        (_, None) => {}
+    }
     if let Some(power) = power {
         text += &format!(", power {} lm", triple(power.map(Some)));
     }
-    if of_blender {
+    if of_blender && ["point", "spot", "directional"].contains(&light.kind) {
         let strongest = f64::from(Vec3::from(*intensity).max_element()) / LUMENS_A_WATT;
         text += &match power {
             Some(_) => format!(" ({} W in Blender)", number((4.0 * PI * strongest) as f32)),

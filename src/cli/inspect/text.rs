@@ -7,7 +7,7 @@ use crate::asset::AnimationSummary;
 use crate::cli::message::{also_in, grouped, printable};
 use crate::cli::pipeline::{Severity, is_lamp, is_lit};
 use crate::plural::count;
-use crate::scene::{CameraDescription, Projection, PunctualKind, SceneDescription};
+use crate::scene::{AreaShape, CameraDescription, Lens, Projection, PunctualKind, SceneDescription};
 use std::fmt::Write;
 
 /// The most animations that are listed.
@@ -99,7 +99,8 @@ fn animations(out: &mut String, animations: &[AnimationSummary]) -> std::fmt::Re
 fn camera(camera: &CameraDescription) -> String {
     match camera.projection {
         Projection::Perspective { yfov, .. } => {
-            format!("{:?} (perspective, {}°)", camera.name, number(yfov.to_degrees()))
+            let lens = camera.lens.map(|l| lens(&l)).unwrap_or_default();
+            format!("{:?} (perspective, {}°{lens})", camera.name, number(yfov.to_degrees()))
         }
         Projection::Orthographic { ymag, .. } => {
             format!("{:?} (orthographic, {} high)", camera.name, length(2.0 * ymag))
@@ -107,12 +108,26 @@ fn camera(camera: &CameraDescription) -> String {
     }
 }
 
+/// “, 35 mm on 36 mm × 24 mm, f/2.8, focused at 5 m”.
+fn lens(lens: &Lens) -> String {
+    let Lens { focal_length, sensor: [width, height], f_stop, focus_distance } = lens;
+    let sensor =
+        if *width > 0.0 { format!(" on {} × {}", length(*width), length(*height)) } else { String::new() };
+    let f_stop = f_stop.map(|n| format!(", f/{}", number(n))).unwrap_or_default();
+    let focus = focus_distance.map(|d| format!(", focused at {}", length(d))).unwrap_or_default();
+    format!(", {}{sensor}{f_stop}{focus}", length(*focal_length))
+}
+
 fn lights(scene: &SceneDescription) -> String {
     let is_kind = |wanted: fn(&PunctualKind) -> bool| scene.lights.iter().filter(|l| wanted(&l.kind)).count();
+    let is_shape = |wanted: AreaShape| scene.area_lights.iter().filter(|l| l.shape == wanted).count();
     let kinds = [
         (is_kind(|k| matches!(k, PunctualKind::Point)), "point"),
         (is_kind(|k| matches!(k, PunctualKind::Spot { .. })), "spot"),
         (is_kind(|k| matches!(k, PunctualKind::Directional)), "directional"),
+        (is_kind(|k| matches!(k, PunctualKind::Web(_))), "measured (IES)"),
+        (is_shape(AreaShape::Rectangle), "rectangular"),
+        (is_shape(AreaShape::Disk), "round"),
     ];
     let mut found: Vec<String> =
         kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();

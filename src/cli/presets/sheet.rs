@@ -152,6 +152,7 @@ fn camera(radius: f32) -> CameraDescription {
         transform: Affine3A::from_mat3_translation(Mat3::from_cols(x, z.cross(x), z), z * 4.0 * radius),
         projection: Projection::Orthographic { ymag: radius / FILL, aspect: None },
         clip: crate::scene::Clip::NONE,
+        lens: None,
     }
 }
 
