@@ -232,7 +232,8 @@ fn split(
     medium.anisotropy = g;
     let has_textures = by.strength_texture.is_some() || by.color_texture.is_some();
     medium.multi_scatter = has_textures.then(|| Box::new(by));
-    if medium.sigma_s.max_element() > 0.0 {
+    let is_replaced = material.extension(super::subsurface::NAME).is_some();
+    if medium.sigma_s.max_element() > 0.0 && !is_replaced {
         dispersion::tell_beside_scattering(loader, material)?;
     }
     Ok(())

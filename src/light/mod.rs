@@ -25,6 +25,11 @@ pub use point::LightPoint;
 /// Bytes that a texel of an environment takes: radiance as it was read and with its scale, and its place in the tables.
 pub(crate) const ENVIRONMENT_TEXEL_BYTES: u64 = 2 * size_of::<glam::Vec3>() as u64 + 8;
 
-/// Bytes that an emissive triangle of an instance takes, with its part of the tree.
+/// Bytes that an emissive triangle of an instance takes, with its parts of the trees.
 pub(crate) const EMITTER_BYTES: u64 =
-    (size_of::<EmissiveTriangle>() + size_of::<emitter::Emitter>() + size_of::<tree::Node>() + 8) as u64;
+    (size_of::<EmissiveTriangle>() + size_of::<emitter::Emitter>() + size_of::<tree::Node>() + 8) as u64
+        + nearest::LAMP_BYTES;
+
+/// Bytes that a light without size takes, with its parts of the trees.
+pub(crate) const PUNCTUAL_BYTES: u64 =
+    (size_of::<crate::scene::PunctualLight>() + size_of::<tree::Node>() + 8) as u64 + nearest::LAMP_BYTES;

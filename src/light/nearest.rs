@@ -6,6 +6,7 @@
 use super::emitter::Emitter;
 use super::environment::{Environment, Facing};
 use super::{EmitterId, LightPoint, LightSample, punctual};
+use crate::geometry::Aabb;
 use crate::sampling::Distribution1D;
 use crate::scene::{PunctualKind, PunctualLight};
 use glam::{Vec2, Vec3};
@@ -18,6 +19,9 @@ pub(super) struct Lamps {
     distant: Vec<usize>,
     choice: Option<Distribution1D>,
 }
+
+/// Bytes that a lamp takes, with its box and about what a leaf and its share of the nodes above it take.
+pub(super) const LAMP_BYTES: u64 = (size_of::<Lamp>() + size_of::<Aabb>() + 48) as u64;
 
 #[derive(Clone, Debug)]
 struct Lamp {

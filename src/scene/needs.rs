@@ -4,7 +4,7 @@ use super::compile::SceneError;
 use super::description::*;
 use super::pyramid::Pyramid;
 use crate::geometry::SceneGeometry;
-use crate::light::{EMITTER_BYTES, ENVIRONMENT_TEXEL_BYTES};
+use crate::light::{EMITTER_BYTES, ENVIRONMENT_TEXEL_BYTES, PUNCTUAL_BYTES};
 
 /// Bytes that each thing derived from a description may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl SceneDescription {
         let of_mesh = |m: &MeshDescription| m.triangle_materials.iter().filter(shines).count() as u64;
         let emitters: Vec<u64> = self.meshes.iter().map(of_mesh).collect();
         let all = self.instances.iter().map(|i| emitters[i.mesh]).fold(0, u64::saturating_add);
-        all.saturating_mul(EMITTER_BYTES)
+        all.saturating_mul(EMITTER_BYTES).saturating_add(self.lights.len() as u64 * PUNCTUAL_BYTES)
     }
 }
 

@@ -14,6 +14,9 @@ use std::collections::HashMap;
 /// Last words of names of layers that are the picture: of Blender, of Nuke and others.
 const PICTURES: [&str; 7] = ["combined", "composite", "beauty", "rgba", "rgb", "color", "main"];
 
+/// What stands for infinity where other channels depend on it: the largest half float.
+const LARGEST_HALF: f32 = 65504.0;
+
 /// Channels that a message lists.
 const MOST_LISTED: usize = 24;
 
@@ -130,13 +133,16 @@ fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
         let name = if layer.is_empty() { &part_name } else { &layer };
         let last = name.rsplit('.').next().unwrap_or_default();
         let is_known = PICTURES.iter().any(|p| p.eq_ignore_ascii_case(last));
-        let rank = match (layer.is_empty(), is_known || name.is_empty()) {
-            (true, true) => 0,
-            (false, true) => 2,
-            (true, false) => 4,
-            (false, false) => UNKNOWN,
+        let rank = match (layer.is_empty(), is_known || name.is_empty(), is_luminance) {
+            (true, true, false) => 0,
+            (false, true, false) => 1,
+            // Luminance beside a picture in colour is something else.
+            (true, true, true) => 2,
+            (false, true, true) => 3,
+            (true, false, _) => 4 + u32::from(is_luminance),
+            (false, false, _) => UNKNOWN + u32::from(is_luminance),
         };
-        Some(Picture { part, rank: rank + u32::from(is_luminance), is_luminance, channels })
+        Some(Picture { part, rank, is_luminance, channels })
     };
     layers.into_iter().filter_map(picture).collect()
 }
@@ -178,9 +184,11 @@ fn to_rec_709(header: &Header, picture: &Picture, pixels: &mut [Vec3]) {
         }
     }
     if let Some(matrix) = matrix {
-        // What is not finite stays what it is, so that it is found later.
+        // What is not finite stays what it is, so that it is found later; beside it are the colours of the largest number.
         let convert = |m: &DMat3, p: Vec3| {
-            if p.is_finite() { (*m * p.as_dvec3()).as_vec3().max(Vec3::ZERO) } else { p }
+            let number = if p.is_finite() { p } else { p.min(Vec3::splat(LARGEST_HALF)) };
+            let converted = (*m * number.as_dvec3()).as_vec3().max(Vec3::ZERO);
+            Vec3::select(p.is_finite_mask(), converted, p)
         };
         pixels.iter_mut().for_each(|pixel| *pixel = convert(&matrix, *pixel));
     }

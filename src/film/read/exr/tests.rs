@@ -99,6 +99,8 @@ fn the_picture_is_found_among_channels() {
         ["DiffCol.B", "DiffCol.G", "DiffCol.R", "V.Combined.B", "V.Combined.G", "V.Combined.R", "V.Depth.Z"];
     assert_eq!(chosen(&blender), Ok([5, 4, 3]));
     assert_eq!(chosen(&["B", "G", "R", "beauty.B", "beauty.G", "beauty.R"]), Ok([2, 1, 0]));
+    // Luminance beside colour is not the picture.
+    assert_eq!(chosen(&["V.Combined.B", "V.Combined.G", "V.Combined.R", "Y"]), Ok([2, 1, 0]));
     assert_eq!(chosen(&["sky.blue", "sky.green", "sky.red"]), Ok([2, 1, 0]));
     assert_eq!(chosen(&["Y", "Z.Z"]), Ok([0, 0, 0]));
     // Z is depth.
@@ -180,8 +182,12 @@ fn other_primaries_are_converted() {
     let red = |channel, _, _| if channel == 2 { 1.0 } else { 0.0 };
     let film = Raw { more: more.clone(), value: red, ..plain(&channels) }.film().unwrap();
     assert!((film.pixels[0] - Vec3::new(1.6605, 0.0, 0.0)).length() < 1e-3, "{}", film.pixels[0]);
-    let film = Raw { more, value: |_, _, _| 3.0, ..plain(&channels) }.film().unwrap();
+    let film = Raw { more: more.clone(), value: |_, _, _| 3.0, ..plain(&channels) }.film().unwrap();
     assert!((film.pixels[0] - 3.0).length() < 1e-3, "{}", film.pixels[0]);
+    // Infinite red of these primaries leaves nothing of green and blue in Rec. 709.
+    let infinite = |channel, _, _| if channel == 2 { f32::INFINITY } else { 1.0 };
+    let film = Raw { more, value: infinite, ..plain(&channels) }.film().unwrap();
+    assert_eq!(film.pixels[0], Vec3::new(f32::INFINITY, 0.0, 0.0));
 }
 
 /// A picture of that size in blocks of some kind, at an odd place.
