@@ -8,6 +8,7 @@ use super::lights::LightArgs;
 use super::pipeline::{Cosines, Microfacet, subsurface_models};
 use super::values::*;
 use crate::film::ToneMap;
+use crate::scene::Footprint;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -137,9 +138,13 @@ pub(super) struct SceneArgs {
     #[arg(long, hide_short_help = true)]
     pub no_aim: bool,
 
-    /// Look up colour textures at points instead of averaging them over what a sample sees (noisier where textures are small
-    /// in the picture)
-    #[arg(long, hide_short_help = true)]
+    /// How wide a part of a pixel colour textures are averaged over, in pixels; 0 looks them up at points (noisier where
+    /// textures are small in the picture)
+    #[arg(long, value_name = "PIXELS", default_value_t = Footprint::DEFAULT_FILTER, value_parser = filter_width, hide_short_help = true)]
+    pub texture_filter: f32,
+
+    /// The same as --texture-filter 0
+    #[arg(long, hide_short_help = true, conflicts_with = "texture_filter")]
     pub no_texture_filter: bool,
 
     /// Tone map of .png and .jpg: pbr-neutral, aces, agx or linear

@@ -169,7 +169,7 @@ impl Prepared {
             max_depth: args.max_depth,
             microfacet: args.microfacet,
             aim: !args.no_aim,
-            filter_textures: !args.no_texture_filter,
+            texture_filter: if args.no_texture_filter { 0.0 } else { args.texture_filter },
             ground: self.ground,
             transparent: false,
         }
@@ -183,7 +183,7 @@ impl Prepared {
             "env": self.environment,
             "env_rotation": args.env_rotation,
             "env_intensity": args.env_intensity,
-            "texture_filter": !args.no_texture_filter,
+            "texture_filter": if args.no_texture_filter { 0.0 } else { args.texture_filter },
             "max_depth": args.max_depth,
             "microfacet": match args.microfacet {
                 Microfacet::Multiple => "multiple",

@@ -81,6 +81,10 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     number_of(text, "a number of at least 0", |x| x >= 0.0)
 }
 
+pub(super) fn filter_width(text: &str) -> Result<f32, String> {
+    number_of(text, "a width of 0 to 1 pixel", |x| (0.0..=1.0).contains(&x))
+}
+
 pub(super) fn above_zero(text: &str) -> Result<f32, String> {
     number_of(text, "a number above 0", |x| x > 0.0)
 }

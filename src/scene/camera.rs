@@ -60,16 +60,16 @@ impl Camera {
         ((self.clip.far - depth) / direction.dot(view)).max(0.0)
     }
 
-    /// The narrow side of a pixel that a ray of this camera is one of `samples` of.
-    pub fn footprint(&self, ray: &Ray, samples: u32) -> Footprint {
+    /// The footprint of a ray of this camera, averaged over a width of `filter` times the narrow side of its pixel.
+    pub fn footprint(&self, ray: &Ray, filter: f32) -> Footprint {
         let side = 2.0 * self.half_extent.y / self.size.y;
         if self.orthographic {
-            Footprint::of_pixel(side, 0.0, samples)
+            Footprint::of_pixel(side, 0.0, filter)
         } else {
             // Off the axis pixels are nearer to edge-on, and farther along the ray than along the axis.
             let cos = -ray.direction.dot(self.axes.z_axis);
             let spread = side * cos * cos;
-            Footprint::of_pixel(spread * (self.clip.near / cos), spread, samples)
+            Footprint::of_pixel(spread * (self.clip.near / cos), spread, filter)
         }
     }
 
@@ -197,7 +197,7 @@ mod tests {
                 assert!((origin - free.origin).cross(direction).length() < 1e-5);
                 assert_eq!(open.reach(origin, direction), f32::INFINITY);
                 // What one pixel covers does not depend on where its ray starts.
-                let (mut near, mut eye) = (camera.footprint(&free, 1), open.footprint(&free, 1));
+                let (mut near, mut eye) = (camera.footprint(&free, 1.0), open.footprint(&free, 1.0));
                 near.travel(1.0);
                 eye.travel(1.0 + (origin - free.origin).length());
                 assert!((near.width - eye.width).abs() < 1e-5 * eye.width);

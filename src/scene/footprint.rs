@@ -1,11 +1,14 @@
 //! How wide a sample is, and looking up textures over that width.
 //!
-//! **Idea.** A pixel of N samples is a mean of N look-ups, so each sample stands for the Nth part of the pixel, not for
-//! all of it. A texture is averaged over that part alone: the width of a footprint is that of the pixel over √N. What
-//! the samples' own places in the pixel average is not averaged twice, noise from texels that no sample of the pixel
-//! could tell apart is gone, and whatever filtering does wrong vanishes with more samples: blurring before a non-linear
-//! function, and bleeding across the seams of an atlas. At a bounce of density p the samples share out directions: each
-//! gets a solid angle of 1/(N p) (path differentials: Suykens & Willems 2001, "Path Differentials and Applications").
+//! **Idea.** A pixel is a mean of many look-ups at places of its own, so a sample need not average a texture over all of
+//! the pixel, which would blur twice. It averages over a fraction w of the pixel's width, an eighth unless somebody asks
+//! for another (what pbrt never goes below): a square of 1/64 of the pixel. Noise from texels that 64 samples could not
+//! tell apart is gone, and what filtering does wrong (blurring before a non-linear function, bleeding across the seams of
+//! an atlas) stays within an eighth of a pixel. At a bounce of density p the direction stands for a solid angle of w²/p
+//! (path differentials: Suykens & Willems 2001, "Path Differentials and Applications").
+//!
+//! The width is a constant of the picture. If it followed from the number of samples, what a pixel converges to would
+//! depend on that number, and parts of a picture that were rendered apart would not add up to the whole.
 //!
 //! **What is filtered.** Light depends linearly on base colour and emission: these. Roughness, metalness, normals,
 //! transmission and the coefficients of media enter non-linearly, coverage is a threshold, and a mean of colours of
@@ -13,7 +16,7 @@
 //!
 //! The footprint is a disk across the ray; on a slanted surface its narrow side counts, the rest is left to the samples.
 //! Bending by curved mirrors and lenses is ignored, so a footprint behind them may be too narrow or too wide by their
-//! magnification, which costs noise or, at few samples, sharpness.
+//! magnification, which costs noise or sharpness.
 
 use super::texture::TextureSampler;
 use super::{AlphaMode, ColorSpace, Minify, Pyramid, Scene, SceneDescription, Surface, TextureRef};
@@ -32,16 +35,18 @@ pub struct Footprint {
     pub width: f32,
     /// Growth of the diameter, metres a metre.
     pub spread: f32,
-    /// 1/N.
+    /// w², the share of a pixel, and of the directions of a bounce, that it stands for.
     share: f32,
 }
 
 impl Footprint {
-    /// Of a camera ray whose pixel is `width` wide at its origin and grows by `spread` a metre, one of `samples`.
-    pub fn of_pixel(width: f32, spread: f32, samples: u32) -> Self {
-        let share = 1.0 / samples.max(1) as f32;
-        let narrower = share.sqrt();
-        Self { width: width * narrower, spread: spread * narrower, share }
+    /// Width of averages in pixels unless another is asked for.
+    pub const DEFAULT_FILTER: f32 = 0.125;
+
+    /// Of a camera ray whose pixel is `width` wide at its origin and grows by `spread` a metre, averaged over a width of
+    /// `filter` pixels; 0 averages nothing.
+    pub fn of_pixel(width: f32, spread: f32, filter: f32) -> Self {
+        Self { width: width * filter, spread: spread * filter, share: filter * filter }
     }
 
     /// After a way of that length.

@@ -11,7 +11,7 @@ use crate::geometry::Ray;
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
 use crate::sampling::Sampler;
-use crate::scene::{Camera, Footprint, Object, Scene};
+use crate::scene::{Camera, Object, Scene};
 use crate::subsurface::{Aimed, Arrival, Connection, Exit, Flight, PathHead, Propagator, Stop};
 use glam::{Mat3, Vec2, Vec3};
 use std::cell::Cell;
@@ -80,11 +80,7 @@ impl PathTracer<'_> {
             total_reflections: 0,
             wavelength: None,
             direct_view: true,
-            footprint: if self.options.filter_textures {
-                self.camera.footprint(&ray, self.options.spp)
-            } else {
-                Footprint::default()
-            },
+            footprint: self.camera.footprint(&ray, self.options.texture_filter),
         };
         let mut radiance = Vec3::ZERO;
         let caught = self.follow(&mut path, &mut radiance, sampler);

@@ -12,7 +12,7 @@ use super::threads::on_threads;
 use crate::film::Film;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;
-use crate::scene::{Camera, CameraDescription, Scene};
+use crate::scene::{Camera, CameraDescription, Footprint, Scene};
 use crate::subsurface::{Propagator, Registry, Stop};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -55,9 +55,9 @@ pub struct RenderOptions {
     pub microfacet: Microfacet,
     /// Whether paths below a surface are also aimed at lights beyond it; off, the same picture is noisier.
     pub aim: bool,
-    /// Whether colour textures are averaged over what a sample sees of them ([`crate::scene::Footprint`]); off, they are
-    /// looked up at points.
-    pub filter_textures: bool,
+    /// How wide a part of a pixel colour textures are averaged over, in pixels ([`crate::scene::Footprint`]); 0 looks them
+    /// up at points.
+    pub texture_filter: f32,
     /// Height (y, metres) of a horizontal plane that is seen only by the shadow that falls on it.
     pub ground: Option<f32>,
     /// Whether the background is left out, and the film has alpha.
@@ -79,7 +79,7 @@ impl RenderOptions {
             max_depth: 100_000,
             microfacet: Microfacet::Multiple,
             aim: true,
-            filter_textures: true,
+            texture_filter: Footprint::DEFAULT_FILTER,
             ground: None,
             transparent: false,
         }

@@ -4,7 +4,8 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec2, Vec3};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::subsurface::Registry;
+use nephrite::transport::{RenderError, RenderOptions, Shutter, render, render_shutter};
 use std::f32::consts::PI;
 
 fn square(half: f32) -> MeshDescription {
@@ -143,26 +144,31 @@ fn checkers(texels: u32, minify: Minify) -> SceneDescription {
     scene
 }
 
-#[test]
-fn small_textures_are_averaged_over_the_part_of_a_pixel_that_a_sample_stands_for() {
-    let camera = || CameraDescription {
+/// Straight down on the square.
+fn above() -> CameraDescription {
+    CameraDescription {
         name: String::new(),
         transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
         projection: Projection::Orthographic { ymag: 1.0, aspect: None },
         clip: nephrite::scene::Clip::NONE,
         lens: None,
-    };
-    // 37 × 37 texels a pixel, 16 samples: each stands for 9 × 9 of them.
-    let noise = |minify, filter_textures| {
+    }
+}
+
+#[test]
+fn small_textures_are_averaged_over_a_part_of_the_pixel() {
+    let camera = above;
+    // 37 × 37 texels a pixel, an eighth of its width: nearly 5 × 5 of them.
+    let noise = |minify, texture_filter| {
         let scene = Scene::build(checkers(37, minify)).expect("builds");
-        let options = RenderOptions { filter_textures, ..options(camera(), 16, 16) };
+        let options = RenderOptions { texture_filter, ..options(camera(), 16, 16) };
         let estimate = measure(&scene, &options);
-        println!("{minify:?} {filter_textures}: {} ± {}", estimate.mean[0], estimate.se[0]);
+        println!("{minify:?} {texture_filter}: {} ± {}", estimate.mean[0], estimate.se[0]);
         (estimate.mean[0] - 0.5, 16.0 * estimate.se[0])
     };
-    let (bias, filtered) = noise(Minify::Footprint, true);
+    let (bias, filtered) = noise(Minify::Footprint, Footprint::DEFAULT_FILTER);
     assert!(bias.abs() < 1e-3 && filtered < 0.005, "{bias}, noise {filtered}");
-    for (minify, filter) in [(Minify::Point, true), (Minify::Footprint, false)] {
+    for (minify, filter) in [(Minify::Point, Footprint::DEFAULT_FILTER), (Minify::Footprint, 0.0)] {
         // Independent black or white samples: ½/√16 a pixel.
         let (bias, point) = noise(minify, filter);
         assert!(
@@ -170,11 +176,36 @@ fn small_textures_are_averaged_over_the_part_of_a_pixel_that_a_sample_stands_for
             "{bias}, noise {point}"
         );
     }
-    // Texels that the samples can tell apart are looked up as they are: pictures are equal.
+    // Texels larger than the part are looked up as they are: pictures are equal.
     let scene = Scene::build(checkers(1, Minify::Footprint)).expect("builds");
-    let picture = |filter_textures| {
-        let options = RenderOptions { filter_textures, ..options(camera(), 16, 4) };
+    let picture = |texture_filter| {
+        let options = RenderOptions { texture_filter, ..options(camera(), 16, 4) };
         render(&scene, &options, &()).expect("renders").film.pixels
     };
-    assert_eq!(picture(true), picture(false));
+    assert_eq!(picture(Footprint::DEFAULT_FILTER), picture(0.0));
+}
+
+/// A picture is a function of its scene, its options and the numbers of its samples, not of how many were planned at once.
+#[test]
+fn parts_of_a_picture_add_up_to_it_with_textures_and_an_open_shutter() {
+    // 9 × 9 texels a pixel: a part of a pixel is about a texel wide, where widths matter.
+    let scene = || Scene::build(checkers(9, Minify::Footprint)).expect("builds");
+    let whole = options(above(), 16, 16);
+    let picture = |options: &RenderOptions| render(&scene(), options, &()).expect("renders").film.pixels;
+    let first = picture(&RenderOptions { spp: 3, ..whole.clone() });
+    let second = picture(&RenderOptions { spp: 13, first_sample: 3, ..whole.clone() });
+    let shutter = Shutter { open: 0.0, close: 1.0, slices: 5 };
+    let pose = |_| Ok::<_, RenderError>((scene(), above()));
+    let exposed = render_shutter(&shutter, &whole, &(), &Registry::standard(), pose).expect("renders");
+    let exposed = exposed.film.pixels;
+    let whole = picture(&whole);
+    for (i, pixel) in whole.iter().enumerate() {
+        // Means in single precision.
+        let parts = (3.0 * first[i] + 13.0 * second[i]) / 16.0;
+        for found in [parts, exposed[i]] {
+            assert!((found - *pixel).abs().max_element() < 1e-6, "{i}: {found} instead of {pixel}");
+        }
+    }
+    let differ = whole.iter().any(|p| (*p - Vec3::splat(0.5)).abs().max_element() > 0.05);
+    assert!(differ, "a texture that shows");
 }
