@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     models.register(Box::new(Gaussian));
     let mut options = transport::RenderOptions::new(camera);
     (options.width, options.height, options.subsurface) = (160, 120, "gaussian".into());
-    let picture = transport::render_with(&Scene::build(scene)?, &options, &(), &models)?;
-    film::write(Path::new(&output), &picture.film, &film::WriteOptions::default())?;
+    let rendered = transport::render_with(&Scene::build(scene)?, &options, &(), &models)?;
+    film::write(Path::new(&output), &rendered.picture, &film::WriteOptions::default())?;
     Ok(())
 }

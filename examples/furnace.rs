@@ -5,7 +5,7 @@
 //! Nothing can be seen brighter than 1, whatever a material is: emission is taken out, and all else can only take away.
 //! Then everything that absorbs is taken out, too (colours become white or grey, media lose their absorption), and
 //! nothing may be seen darker than 1. Limits are those of `docs/materials.md`, and 4 standard errors; of the colours of
-//! a film, which darken what is below it, only the upper one holds. Ends with 1 if a material breaks them.
+//! a picture, which darken what is below it, only the upper one holds. Ends with 1 if a material breaks them.
 
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use nephrite::asset::{LoadOptions, load};
@@ -169,7 +169,7 @@ fn measure(scene: &SceneDescription, material: MaterialDescription) -> Extremes 
         ..RenderOptions::new(camera)
     };
     let pixels = Scene::build(scene).ok().and_then(|s| render(&s, &options, &()).ok());
-    let pixels = pixels.map(|r| r.film.pixels).unwrap_or_default();
+    let pixels = pixels.map(|r| r.picture.pixels).unwrap_or_default();
     let n = pixels.len() as f64;
     let channel = |c: usize| {
         let mean = pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / n;

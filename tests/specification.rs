@@ -4,7 +4,7 @@
 //! beginning of that asset's materials. Every asset is rendered, with the extension and without it.
 
 use nephrite::asset::{self, LoadOptions};
-use nephrite::film::Film;
+use nephrite::film::Picture;
 use nephrite::scene::Scene;
 use nephrite::transport::{self, RenderOptions};
 use serde_json::{Value, json};
@@ -286,14 +286,14 @@ fn half_space_table_is_that_of_the_file() {
 }
 
 /// A small picture of an asset.
-fn picture(document: &Value, source: &str) -> Film {
+fn picture(document: &Value, source: &str) -> Picture {
     let bytes = serde_json::to_vec(document).expect("JSON");
     let loaded = asset::load_bytes(bytes, &folder().join("examples"), &LoadOptions::default())
         .unwrap_or_else(|error| panic!("{source}: {error}"));
     let camera = loaded.scene.cameras.first().unwrap_or_else(|| panic!("{source} has no camera")).clone();
     let scene = Scene::build(loaded.scene).unwrap_or_else(|error| panic!("{source}: {error}"));
     let options = RenderOptions { width: 32, height: 24, spp: 16, seed: 1, ..RenderOptions::new(camera) };
-    transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).film
+    transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).picture
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn picture(scene: SceneDescription) {
         ..RenderOptions::new(camera)
     };
     let rendered = render(&scene, &options, &()).expect("the options are sound");
-    sound::check_film(&rendered.film);
+    sound::check_film(&rendered.picture);
 }
 
 /// A square with corners at ±1, texture coordinates and a texture of 2 × 2 texels, closed to a box where `closed`.

@@ -1,6 +1,6 @@
 //! What every scene and picture must keep, whatever the file said.
 
-use nephrite::film::Film;
+use nephrite::film::Picture;
 use nephrite::scene::{EnvironmentDescription, ImagePixels, NO_MATERIAL, SceneDescription};
 
 /// Panics unless all indices point somewhere, all lists have the length they must have, and all numbers are in range.
@@ -77,8 +77,8 @@ pub fn check_environment(environment: &EnvironmentDescription) {
 }
 
 /// Panics unless all pixels are finite and none is negative.
-pub fn check_film(film: &Film) {
-    for pixel in &film.pixels {
+pub fn check_film(picture: &Picture) {
+    for pixel in &picture.pixels {
         assert!(pixel.is_finite() && pixel.min_element() >= 0.0, "{pixel}");
     }
 }

@@ -4,7 +4,7 @@
 //! float, those that are negative or no number become 0, and both are counted. Which channels are read,
 //! [`film::decode`](crate::film::decode) says.
 
-use crate::film::{Film, ReadError, decode, read_bytes};
+use crate::film::{Picture, ReadError, decode, read_bytes};
 use crate::scene::EnvironmentDescription;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -92,7 +92,7 @@ pub fn load_environment(path: &Path) -> Result<LoadedEnvironment, EnvironmentErr
 /// # Errors
 /// Where the bytes are neither, are broken or too many, or have no colour.
 pub fn decode_environment(bytes: &[u8], most: usize) -> Result<LoadedEnvironment, ReadError> {
-    let Film { width, height, mut pixels, .. } = decode(bytes, most)?;
+    let Picture { width, height, mut pixels, .. } = decode(bytes, most)?;
     let (width, height) = (width as usize, height as usize);
     let mut replaced_texels = 0;
     for pixel in &mut pixels {
@@ -116,14 +116,14 @@ pub fn decode_environment(bytes: &[u8], most: usize) -> Result<LoadedEnvironment
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Channel, Film, Layer, WriteOptions, write};
+    use crate::film::{Channel, Layer, Picture, WriteOptions, write};
 
-    fn film(width: u32, height: u32) -> Film {
-        let mut film = Film::new(width, height);
-        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+    fn picture(width: u32, height: u32) -> Picture {
+        let mut picture = Picture::new(width, height);
+        for (i, pixel) in picture.pixels.iter_mut().enumerate() {
             *pixel = Vec3::new(i as f32, 0.5, 100.0 / (1.0 + i as f32));
         }
-        film
+        picture
     }
 
     fn texels(loaded: LoadedEnvironment) -> (usize, usize, Vec<Vec3>) {
@@ -136,9 +136,9 @@ mod tests {
     #[test]
     fn exr_of_either_precision_and_hdr_are_read_row_by_row() {
         let folder = tempfile::tempdir().unwrap();
-        let mut film = film(8, 4);
-        film.alpha = Some(vec![0.0; 32]);
-        film.layers = vec![Layer {
+        let mut picture = picture(8, 4);
+        picture.alpha = Some(vec![0.0; 32]);
+        picture.layers = vec![Layer {
             name: "depth".to_owned(),
             channels: vec![Channel { name: "Z".to_owned(), values: vec![1.0; 32] }],
         }];
@@ -146,12 +146,12 @@ mod tests {
             [("a.exr", true, 0.0), ("b.exr", false, 1e-3), ("c.HDR", true, 1.0 / 128.0)]
         {
             let path = folder.path().join(name);
-            write(&path, &film, &WriteOptions { float, ..Default::default() }).unwrap();
+            write(&path, &picture, &WriteOptions { float, ..Default::default() }).unwrap();
             let loaded = load_environment(&path).unwrap();
             assert!(loaded.is_two_to_one && loaded.replaced_texels == 0);
             let (width, height, pixels) = texels(loaded);
             assert_eq!((width, height), (8, 4));
-            for (read, expected) in pixels.iter().zip(&film.pixels) {
+            for (read, expected) in pixels.iter().zip(&picture.pixels) {
                 let error = (*read - *expected).abs().max_element();
                 assert!(error <= tolerance * expected.max_element(), "{name}: {read} {expected}");
             }
@@ -162,9 +162,9 @@ mod tests {
     fn negative_texels_become_black_and_are_counted() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        let mut film = film(3, 3);
-        film.pixels[2] = Vec3::new(-1.0, 2.0, -0.5);
-        write(&path, &film, &WriteOptions { float: true, ..Default::default() }).unwrap();
+        let mut picture = picture(3, 3);
+        picture.pixels[2] = Vec3::new(-1.0, 2.0, -0.5);
+        write(&path, &picture, &WriteOptions { float: true, ..Default::default() }).unwrap();
         let loaded = load_environment(&path).unwrap();
         assert!(!loaded.is_two_to_one);
         assert_eq!(loaded.replaced_texels, 1);
@@ -194,9 +194,9 @@ mod tests {
     fn first_bytes_count_and_not_the_extension() {
         let folder = tempfile::tempdir().unwrap();
         let (exr, hdr) = (folder.path().join("a.exr"), folder.path().join("a.hdr"));
-        write(&exr, &film(4, 2), &WriteOptions { float: true, ..Default::default() }).unwrap();
+        write(&exr, &picture(4, 2), &WriteOptions { float: true, ..Default::default() }).unwrap();
         std::fs::rename(&exr, &hdr).unwrap();
-        assert_eq!(texels(load_environment(&hdr).unwrap()).2, film(4, 2).pixels);
+        assert_eq!(texels(load_environment(&hdr).unwrap()).2, picture(4, 2).pixels);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 use super::args::SceneArgs;
 use super::lights::LightUnits;
 use super::message::Reporter;
-use crate::film::Film;
+use crate::film::Picture;
 use crate::film::tonemap::{ToneMap, encode_srgb};
 use crate::scene::{EnvironmentDescription, SceneDescription};
 
@@ -39,11 +39,11 @@ enum Verdict {
 }
 
 /// Judges a picture as it is displayed.
-fn judge(film: &Film, tone_map: ToneMap, exposure: f32) -> Verdict {
-    let step = film.pixels.len().div_ceil(MOST_PIXELS).max(1);
-    let alpha = |i: usize| film.alpha.as_ref().map_or(1.0, |alpha| alpha[i]);
+fn judge(picture: &Picture, tone_map: ToneMap, exposure: f32) -> Verdict {
+    let step = picture.pixels.len().div_ceil(MOST_PIXELS).max(1);
+    let alpha = |i: usize| picture.alpha.as_ref().map_or(1.0, |alpha| alpha[i]);
     let is_lit = |v: f32| v > 0.0 && v.is_finite();
-    let pixels = film.pixels.iter().enumerate().filter(|(i, _)| alpha(*i) > 0.0);
+    let pixels = picture.pixels.iter().enumerate().filter(|(i, _)| alpha(*i) > 0.0);
     let mut seen = pixels.clone().peekable();
     if seen.peek().is_none() {
         return Verdict::Fine;
@@ -82,14 +82,14 @@ fn judge(film: &Film, tone_map: ToneMap, exposure: f32) -> Verdict {
 
 /// Says what would help a picture of a scene that shows nothing; `of_blender` says who wrote the file.
 pub(super) fn say_how_to_expose(
-    film: &Film,
+    picture: &Picture,
     scene: &SceneDescription,
     of_blender: bool,
     args: &SceneArgs,
     reporter: &Reporter,
 ) {
     let candela = !scene.lights.is_empty() && args.lights.light_units == LightUnits::Candela;
-    match judge(film, args.tonemap, args.exposure) {
+    match judge(picture, args.tonemap, args.exposure) {
         Verdict::Fine => {}
         Verdict::White(stops) => {
             let units = match (candela, of_blender) {
@@ -138,10 +138,10 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn film(pixels: Vec<f32>) -> Film {
-        let mut film = Film::new(pixels.len() as u32, 1);
-        film.pixels = pixels.into_iter().map(Vec3::splat).collect();
-        film
+    fn picture(pixels: Vec<f32>) -> Picture {
+        let mut picture = Picture::new(pixels.len() as u32, 1);
+        picture.pixels = pixels.into_iter().map(Vec3::splat).collect();
+        picture
     }
 
     /// Following the hint leaves nothing to say, in every tone map.
@@ -156,8 +156,8 @@ mod tests {
         ];
         for pixels in pictures {
             for tone_map in ToneMap::ALL {
-                let film = film(pixels.clone());
-                let stops = match judge(&film, tone_map, 0.0) {
+                let picture = picture(pixels.clone());
+                let stops = match judge(&picture, tone_map, 0.0) {
                     Verdict::White(stops) => {
                         assert!(pixels.contains(&553.6) || pixels.contains(&2e4));
                         stops
@@ -165,11 +165,11 @@ mod tests {
                     Verdict::Black(stops) => stops,
                     other => panic!("{tone_map:?} {:?}: {other:?}", &pixels[..3]),
                 };
-                assert_eq!(judge(&film, tone_map, stops), Verdict::Fine, "{tone_map:?} {stops}");
+                assert_eq!(judge(&picture, tone_map, stops), Verdict::Fine, "{tone_map:?} {stops}");
             }
         }
         // 0.18 / 553.6 = 2^−11.5866.
-        let Verdict::White(stops) = judge(&film(vec![553.6; 4]), ToneMap::PbrNeutral, 0.0) else {
+        let Verdict::White(stops) = judge(&picture(vec![553.6; 4]), ToneMap::PbrNeutral, 0.0) else {
             panic!("is white")
         };
         assert!((stops + 11.586_6).abs() < 1e-3, "{stops}");
@@ -186,11 +186,16 @@ mod tests {
             [vec![50.0; 80], vec![0.2; 20]].concat(),
         ] {
             for tone_map in [ToneMap::PbrNeutral, ToneMap::Linear] {
-                assert_eq!(judge(&film(pixels.clone()), tone_map, 0.0), Verdict::Fine, "{:?}", &pixels[..2]);
+                assert_eq!(
+                    judge(&picture(pixels.clone()), tone_map, 0.0),
+                    Verdict::Fine,
+                    "{:?}",
+                    &pixels[..2]
+                );
             }
         }
-        assert_eq!(judge(&film(vec![0.0; 9]), ToneMap::Linear, 0.0), Verdict::Dark);
-        let mut nothing = film(vec![0.0; 9]);
+        assert_eq!(judge(&picture(vec![0.0; 9]), ToneMap::Linear, 0.0), Verdict::Dark);
+        let mut nothing = picture(vec![0.0; 9]);
         nothing.alpha = Some(vec![0.0; 9]);
         assert_eq!(judge(&nothing, ToneMap::Linear, 0.0), Verdict::Fine);
     }

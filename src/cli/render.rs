@@ -52,11 +52,11 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
         return Err(Failure::Interrupted);
     }
 
-    let samples = rendered.film.pixels.len() as f64 * f64::from(rendered.spp);
+    let samples = rendered.picture.pixels.len() as f64 * f64::from(rendered.spp);
     report_counters(&rendered.stats, samples, "", &reporter);
     if job.outputs.iter().any(|(_, format)| !format.is_linear()) {
         let scene = &prepared.scene.description;
-        say_how_to_expose(&rendered.film, scene, prepared.of_blender, args, &reporter);
+        say_how_to_expose(&rendered.picture, scene, prepared.of_blender, args, &reporter);
     }
     let writing = Instant::now();
     let (mut report, mut failures, mut written) = (WriteReport::default(), Failures::default(), Vec::new());
@@ -122,7 +122,7 @@ fn write_picture(
 ) -> Result<WriteReport, Failure> {
     let mut write_options = job.write_options();
     write_options.attributes = attributes(job, *format, rendered.spp, recorded, options);
-    film::write(path, &rendered.film, &write_options).map_err(|e| cannot_write(path, e))
+    film::write(path, &rendered.picture, &write_options).map_err(|e| cannot_write(path, e))
 }
 
 fn say_what_was_lost(report: WriteReport, reporter: &Reporter) {
@@ -203,7 +203,7 @@ impl Measured {
             "write_seconds": self.write_seconds,
             "rays": rendered.stats.rays,
             "counters": counters,
-            "mean": rendered.film.mean(),
+            "mean": rendered.picture.mean(),
             "peak_memory_bytes": peak_memory_bytes(),
         })
     }

@@ -6,7 +6,7 @@
 //! are not independent (a denoiser, a filter wider than a pixel) make the standard error too small.
 
 use super::Region;
-use crate::film::Film;
+use crate::film::Picture;
 
 /// A mean with its standard error, three channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Estimate {
 }
 
 /// The mean of a region over all batches, which have one size that holds the region.
-pub fn measure(batches: &[Film], region: Region) -> Estimate {
+pub fn measure(batches: &[Picture], region: Region) -> Estimate {
     let [x, y, w, h] = region.map(|v| v as usize);
     let count = (batches.len() * w * h).max(1) as f64;
     let mut mean = [0.0; 3];
@@ -27,7 +27,9 @@ pub fn measure(batches: &[Film], region: Region) -> Estimate {
         for column in x..x + w {
             for c in 0..3 {
                 let values = || {
-                    batches.iter().map(|film| f64::from(film.pixels[row * film.width as usize + column][c]))
+                    batches
+                        .iter()
+                        .map(|picture| f64::from(picture.pixels[row * picture.width as usize + column][c]))
                 };
                 let sum: f64 = values().sum();
                 let own = sum / batches.len().max(1) as f64;
@@ -48,20 +50,20 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn film(seed: u64) -> Film {
+    fn picture(seed: u64) -> Picture {
         let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
         let mut random = move || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f32 / (1u32 << 24) as f32
         };
         let pixels = (0..16 * 16).map(|i| Vec3::new(i as f32 + random(), random(), 3.0)).collect();
-        Film { width: 16, height: 16, pixels, ..Film::default() }
+        Picture { width: 16, height: 16, pixels, ..Picture::default() }
     }
 
     /// Uniform noise on [0, 1) has a variance of 1/12, whatever differs from pixel to pixel.
     #[test]
     fn the_standard_error_is_that_of_the_noise() {
-        let batches: Vec<Film> = (1..=4).map(film).collect();
+        let batches: Vec<Picture> = (1..=4).map(picture).collect();
         let found = measure(&batches, [0, 0, 16, 16]);
         let error = found.standard_error.expect("four batches");
         let expected = (1.0 / 12.0 / (4.0 * 256.0f64)).sqrt();
@@ -76,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_region_is_its_own_pixels_only() {
-        let mut picture = film(1);
+        let mut picture = picture(1);
         for (i, pixel) in picture.pixels.iter_mut().enumerate() {
             let inside = (2..5).contains(&(i % 16)) && (7..9).contains(&(i / 16));
             *pixel = if inside { Vec3::ONE } else { Vec3::splat(f32::NAN) };
@@ -87,6 +89,6 @@ mod tests {
 
     #[test]
     fn one_batch_has_no_standard_error() {
-        assert_eq!(measure(&[film(3)], [0, 0, 4, 4]).standard_error, None);
+        assert_eq!(measure(&[picture(3)], [0, 0, 4, 4]).standard_error, None);
     }
 }

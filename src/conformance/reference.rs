@@ -3,7 +3,7 @@
 //! error.
 
 use super::{ConformanceError, MAX_PIXELS};
-use crate::film::{Film, WriteOptions, atomic, read_exr, write};
+use crate::film::{Picture, WriteOptions, atomic, read_exr, write};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -14,7 +14,7 @@ const NUMBERS: &str = "reference.toml";
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The picture, rounded to half floats.
-    pub film: Film,
+    pub picture: Picture,
     /// Version of nephrite.
     pub version: String,
     /// Samples a pixel, over all batches.
@@ -66,12 +66,12 @@ impl Reference {
         let read: Numbers = toml::from_str(&text)
             .map_err(|e| ConformanceError::Invalid { path: path.clone(), message: e.to_string() })?;
         let picture = folder.join(PICTURE);
-        let film = read_exr(&picture, MAX_PIXELS).map_err(|e| {
+        let picture = read_exr(&picture, MAX_PIXELS).map_err(|e| {
             let message = e.to_string();
             ConformanceError::Invalid { path: picture.clone(), message }
         })?;
         let Numbers { version, spp, seed, batches, region } = read;
-        Ok(Some(Self { film, version, spp, seed, batches, regions: region }))
+        Ok(Some(Self { picture, version, spp, seed, batches, regions: region }))
     }
 
     /// Writes both files into the folder of a case.
@@ -90,7 +90,7 @@ impl Reference {
             attributes.push((format!("nephrite:standard_error {}", region.name), error));
         }
         let options = WriteOptions { attributes, ..WriteOptions::default() };
-        write(&picture, &self.film, &options)
+        write(&picture, &self.picture, &options)
             .map_err(|e| ConformanceError::Invalid { path: picture.clone(), message: e.to_string() })?;
         let path = folder.join(NUMBERS);
         atomic::write_atomically(&path, |out| out.write_all(self.numbers().as_bytes()))
@@ -125,16 +125,23 @@ mod tests {
     fn what_is_saved_is_loaded() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         assert!(Reference::load(folder.path()).expect("nothing wrong").is_none());
-        let film = Film { width: 2, height: 1, pixels: vec![Vec3::ONE, Vec3::splat(0.1)], ..Film::default() };
+        let picture =
+            Picture { width: 2, height: 1, pixels: vec![Vec3::ONE, Vec3::splat(0.1)], ..Picture::default() };
         let region =
             RegionMean { name: "all \"there\"".into(), mean: [0.55, 0.5, 1e-7], standard_error: [1e-3; 3] };
-        let reference =
-            Reference { film, version: "1.2.3".into(), spp: 64, seed: 5, batches: 8, regions: vec![region] };
+        let reference = Reference {
+            picture,
+            version: "1.2.3".into(),
+            spp: 64,
+            seed: 5,
+            batches: 8,
+            regions: vec![region],
+        };
         reference.save(folder.path(), "a case").expect("saved");
         let found = Reference::load(folder.path()).expect("read").expect("there");
         assert_eq!((found.spp, found.seed, found.batches, found.version.as_str()), (64, 5, 8, "1.2.3"));
         let region = found.region("all \"there\"").expect("the region");
         assert_eq!((region.mean, region.standard_error), ([0.55, 0.5, 1e-7], [1e-3; 3]));
-        assert_eq!(found.film.pixels[0], Vec3::ONE);
+        assert_eq!(found.picture.pixels[0], Vec3::ONE);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Case, CommandTemplate, MAX_PIXELS};
 use crate::asset::{self, LoadOptions};
-use crate::film::{Film, read_exr};
+use crate::film::{Picture, read_exr};
 use crate::optics::Microfacet;
 use crate::scene::Scene;
 use crate::transport::{RenderControl, RenderOptions, render};
@@ -46,8 +46,8 @@ pub enum Renderer {
 
 impl Renderer {
     /// Renders a picture. The error says what went wrong.
-    pub(super) fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Film, String> {
-        let film = match self {
+    pub(super) fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Picture, String> {
+        let picture = match self {
             Self::Own(own) => own.render(job, control),
             Self::Command(template) => {
                 let folder = tempfile::Builder::new().prefix("nephrite-").tempdir();
@@ -58,13 +58,13 @@ impl Renderer {
             }
         }?;
         let Case { width, height, .. } = job.case;
-        if (film.width, film.height) != (*width, *height) {
+        if (picture.width, picture.height) != (*width, *height) {
             return Err(format!(
                 "the picture has {} × {} pixels; {width} × {height} were asked for",
-                film.width, film.height
+                picture.width, picture.height
             ));
         }
-        Ok(film)
+        Ok(picture)
     }
 
     /// Whether renders with different seeds differ.
@@ -77,7 +77,7 @@ impl Renderer {
 }
 
 impl Own {
-    fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Film, String> {
+    fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Picture, String> {
         let loaded =
             asset::load(&job.case.asset(), &LoadOptions::default()).map_err(|e| e.to_string())?.scene;
         let camera = loaded.cameras.first().cloned().ok_or("the asset has no camera")?;
@@ -96,6 +96,6 @@ impl Own {
         if rendered.spp < job.spp {
             return Err("interrupted".to_owned());
         }
-        Ok(rendered.film)
+        Ok(rendered.picture)
     }
 }

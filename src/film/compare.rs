@@ -16,7 +16,7 @@
 //! the pixels where w ((A − R₁)² + (B − R₂)²) is largest, fireflies mostly, is left out of all four; this does not depend
 //! on the sign of the product.
 
-use super::Film;
+use super::Picture;
 use glam::DVec3;
 
 /// ε over the squared mean of the reference.
@@ -30,7 +30,7 @@ const LEFT_OUT: f64 = 0.001;
 /// Two independent renders of one picture, of equally many samples.
 #[derive(Clone, Debug)]
 pub struct Halves {
-    halves: [Film; 2],
+    halves: [Picture; 2],
 }
 
 /// Films of different sizes were compared.
@@ -66,8 +66,8 @@ pub struct Comparison {
 }
 
 impl Halves {
-    /// Of two films of one size.
-    pub fn new(a: Film, b: Film) -> Result<Self, DifferentSizes> {
+    /// Of two pictures of one size.
+    pub fn new(a: Picture, b: Picture) -> Result<Self, DifferentSizes> {
         if (a.width, a.height, a.pixels.len()) != (b.width, b.height, b.pixels.len()) {
             return Err(DifferentSizes);
         }
@@ -75,11 +75,11 @@ impl Halves {
     }
 
     /// The picture: the mean of both.
-    pub fn mean(&self) -> Film {
+    pub fn mean(&self) -> Picture {
         let [a, b] = &self.halves;
-        let mut film = Film::new(a.width, a.height);
-        film.pixels = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        film
+        let mut picture = Picture::new(a.width, a.height);
+        picture.pixels = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
+        picture
     }
 
     /// Both values of each pixel.
@@ -142,9 +142,9 @@ impl Halves {
 }
 
 /// Every pixel from its neighbours; its own value where there is none.
-fn smoothed(film: &Film) -> Vec<DVec3> {
+fn smoothed(picture: &Picture) -> Vec<DVec3> {
     let weights: Vec<f64> = (0..=BLUR_RADIUS).map(|i| (-0.5 * (i as f64 / BLUR).powi(2)).exp()).collect();
-    let (width, height) = (film.width as isize, film.height as isize);
+    let (width, height) = (picture.width as isize, picture.height as isize);
     let blur = |from: &[(DVec3, f64)], [dx, dy]: [isize; 2]| -> Vec<(DVec3, f64)> {
         let at = |x: isize, y: isize| {
             let inside = (0..width).contains(&x) && (0..height).contains(&y);
@@ -161,7 +161,7 @@ fn smoothed(film: &Film) -> Vec<DVec3> {
         };
         places.map(sum).collect()
     };
-    let own: Vec<(DVec3, f64)> = film.pixels.iter().map(|p| (p.as_dvec3(), 1.0)).collect();
+    let own: Vec<(DVec3, f64)> = picture.pixels.iter().map(|p| (p.as_dvec3(), 1.0)).collect();
     let all = blur(&blur(&own, [1, 0]), [0, 1]);
     // The weight of the pixel itself is 1 in both directions.
     let others = |((value, weight), (own, _)): (&(DVec3, f64), &(DVec3, f64))| {
@@ -208,16 +208,16 @@ mod tests {
     const WIDTH: u32 = 200;
 
     /// A half whose pixels are `value` with noise of standard deviation `sigma`, and `hot` pixels far above.
-    fn noisy(value: impl Fn(usize) -> f32, sigma: f32, hot: usize, seed: u64) -> Film {
+    fn noisy(value: impl Fn(usize) -> f32, sigma: f32, hot: usize, seed: u64) -> Picture {
         let mut rng = SmallRng::new(seed);
         // Uniform numbers of unit variance.
         let mut noise = || (rng.f32() - 0.5) * 12f32.sqrt() * sigma;
-        let mut film = Film::new(WIDTH, WIDTH);
-        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+        let mut picture = Picture::new(WIDTH, WIDTH);
+        for (i, pixel) in picture.pixels.iter_mut().enumerate() {
             *pixel = Vec3::splat(value(i)) + Vec3::new(noise(), noise(), noise());
         }
-        film.pixels[..hot].fill(Vec3::splat(1e4));
-        film
+        picture.pixels[..hot].fill(Vec3::splat(1e4));
+        picture
     }
 
     fn halves(value: impl Fn(usize) -> f32 + Copy, sigma: f32, seed: u64) -> Halves {
@@ -255,10 +255,13 @@ mod tests {
         }
         // A reference as noisy as the picture, bright samples being rare: its deviations are large and not symmetric.
         let rare = |seed| {
-            let mut film = noisy(|_| 0.1, 0.0, 0, seed);
+            let mut picture = noisy(|_| 0.1, 0.0, 0, seed);
             let mut rng = SmallRng::new(seed);
-            film.pixels.iter_mut().for_each(|p| *p += Vec3::splat(if rng.f32() < 0.1 { 9.0 } else { 0.0 }));
-            film
+            picture
+                .pixels
+                .iter_mut()
+                .for_each(|p| *p += Vec3::splat(if rng.f32() < 0.1 { 9.0 } else { 0.0 }));
+            picture
         };
         for seed in 0..10 {
             let [reference, picture] =
@@ -281,10 +284,10 @@ mod tests {
 
     #[test]
     fn odd_pictures_are_answered() {
-        let film = |width| Film::new(width, 1);
-        assert_eq!(Halves::new(film(1), film(2)).unwrap_err(), DifferentSizes);
-        let black = Halves::new(film(2), film(2)).unwrap();
-        assert_eq!(black.compare(&Halves::new(film(3), film(3)).unwrap()), Err(DifferentSizes));
+        let picture = |width| Picture::new(width, 1);
+        assert_eq!(Halves::new(picture(1), picture(2)).unwrap_err(), DifferentSizes);
+        let black = Halves::new(picture(2), picture(2)).unwrap();
+        assert_eq!(black.compare(&Halves::new(picture(3), picture(3)).unwrap()), Err(DifferentSizes));
         let found = black.compare(&black).unwrap();
         assert_eq!((found.rel_mse, found.bias.value), (0.0, 0.0));
         assert!(found.mean_ratio[0].value.is_nan());

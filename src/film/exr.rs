@@ -5,7 +5,7 @@
 //! alphabetical order: the crate keeps them in a randomly ordered map, and equal pictures shall be equal files.
 
 use super::write::{count_non_finite, finite_or_zero};
-use super::{Film, WriteError, WriteOptions, WriteReport};
+use super::{Picture, WriteError, WriteOptions, WriteReport};
 use ::exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use ::exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
 use ::exr::prelude::{Compression, LayerAttributes, SmallVec, Vec2, WritableImage, f16};
@@ -21,7 +21,7 @@ const REC_709: Chromaticities = Chromaticities {
 
 pub(super) fn encode(
     out: &mut dyn Write,
-    film: &Film,
+    picture: &Picture,
     options: &WriteOptions,
 ) -> Result<WriteReport, WriteError> {
     let samples = |values: &mut dyn Iterator<Item = f32>| -> FlatSamples {
@@ -33,12 +33,12 @@ pub(super) fn encode(
     };
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
     for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
-        channels.push(AnyChannel::new(name, samples(&mut film.pixels.iter().map(|p| p[i]))));
+        channels.push(AnyChannel::new(name, samples(&mut picture.pixels.iter().map(|p| p[i]))));
     }
-    if let Some(alpha) = &film.alpha {
+    if let Some(alpha) = &picture.alpha {
         channels.push(AnyChannel::new("A", samples(&mut alpha.iter().copied())));
     }
-    for layer in &film.layers {
+    for layer in &picture.layers {
         for channel in &layer.channels {
             let name = text(&format!("{}.{}", layer.name, channel.name))?;
             channels.push(AnyChannel::new(name, samples(&mut channel.values.iter().copied())));
@@ -57,7 +57,7 @@ pub(super) fn encode(
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let size = Vec2(film.width as usize, film.height as usize);
+    let size = Vec2(picture.width as usize, picture.height as usize);
     let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels));
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC_709);
@@ -73,8 +73,8 @@ pub(super) fn encode(
 
     let above = |p: &&glam::Vec3| p.is_finite() && p.max_element() > f16::MAX.to_f32();
     Ok(WriteReport {
-        non_finite: count_non_finite(film),
-        clamped_to_half: if options.float { 0 } else { film.pixels.iter().filter(above).count() },
+        non_finite: count_non_finite(picture),
+        clamped_to_half: if options.float { 0 } else { picture.pixels.iter().filter(above).count() },
     })
 }
 

@@ -1,6 +1,6 @@
-//! Finished images: a [`Film`] of linear radiance, tone mapping, and the files it is written to.
+//! Finished images: a [`Picture`] of linear radiance, tone mapping, and the files it is written to.
 //!
-//! This room knows nothing but images. The tracer hands over a finished [`Film`]; [`write()`] puts it into a file
+//! This room knows nothing but images. The tracer hands over a finished [`Picture`]; [`write()`] puts it into a file
 //! whose format follows from the extension ([`Format`]), complete or not at all.
 //!
 //! Linear formats (`.exr`, `.hdr`) hold radiance as it is; display formats (`.png`, `.jpg`) hold
@@ -26,7 +26,7 @@ use glam::Vec3;
 
 /// A finished image: the mean radiance of every pixel, row 0 at the top.
 #[derive(Clone, Debug, Default)]
-pub struct Film {
+pub struct Picture {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
@@ -57,13 +57,13 @@ pub struct Channel {
     pub values: Vec<f32>,
 }
 
-impl Film {
-    /// A black film of that size without alpha or layers.
+impl Picture {
+    /// A black picture of that size without alpha or layers.
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, pixels: vec![Vec3::ZERO; pixel_count(width, height)], ..Self::default() }
     }
 
-    /// Mean of each channel over the finite pixels; zero for an empty film. Summed in double precision in pixel
+    /// Mean of each channel over the finite pixels; zero for an empty picture. Summed in double precision in pixel
     /// order, so it is reproducible.
     pub fn mean(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];

@@ -4,24 +4,24 @@ use super::tonemap::encode_srgb;
 use super::*;
 use std::path::Path;
 
-/// A film whose every channel is different, with a highlight beyond 1.
-fn gradient(width: u32, height: u32) -> Film {
-    let mut film = Film::new(width, height);
-    for (i, pixel) in film.pixels.iter_mut().enumerate() {
+/// A picture whose every channel is different, with a highlight beyond 1.
+fn gradient(width: u32, height: u32) -> Picture {
+    let mut picture = Picture::new(width, height);
+    for (i, pixel) in picture.pixels.iter_mut().enumerate() {
         let t = i as f32 / (width * height) as f32;
         *pixel = Vec3::new(t, 4.0 * t * t, 0.25 * (1.0 - t));
     }
-    film
+    picture
 }
 
 fn written(
-    film: &Film,
+    picture: &Picture,
     name: &str,
     options: &WriteOptions,
 ) -> (tempfile::TempDir, std::path::PathBuf, WriteReport) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    let report = write(&path, film, options).unwrap();
+    let report = write(&path, picture, options).unwrap();
     (folder, path, report)
 }
 
@@ -34,11 +34,11 @@ fn channel(path: &Path, name: &str) -> Vec<f32> {
 
 #[test]
 fn float_exr_is_exact_and_half_exr_is_within_half_an_ulp() {
-    let film = gradient(7, 5);
-    let (_a, path, _) = written(&film, "a.exr", &WriteOptions { float: true, ..Default::default() });
-    let (_b, half, _) = written(&film, "b.exr", &WriteOptions::default());
+    let picture = gradient(7, 5);
+    let (_a, path, _) = written(&picture, "a.exr", &WriteOptions { float: true, ..Default::default() });
+    let (_b, half, _) = written(&picture, "b.exr", &WriteOptions::default());
     for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
-        let expected: Vec<f32> = film.pixels.iter().map(|p| p[i]).collect();
+        let expected: Vec<f32> = picture.pixels.iter().map(|p| p[i]).collect();
         assert_eq!(channel(&path, name), expected);
         for (read, expected) in channel(&half, name).into_iter().zip(expected) {
             assert!(
@@ -51,16 +51,16 @@ fn float_exr_is_exact_and_half_exr_is_within_half_an_ulp() {
 
 #[test]
 fn exr_records_alpha_layers_and_attributes_in_one_order() {
-    let mut film = gradient(4, 4);
-    film.alpha = Some(vec![0.5; 16]);
-    film.layers = vec![Layer {
+    let mut picture = gradient(4, 4);
+    picture.alpha = Some(vec![0.5; 16]);
+    picture.layers = vec![Layer {
         name: "depth".to_owned(),
         channels: vec![Channel { name: "Z".to_owned(), values: (0..16).map(|i| i as f32).collect() }],
     }];
     let pairs =
         ["scene", "options", "spp", "seed", "version"].map(|n| (format!("nephrite:{n}"), format!("«{n}»")));
     let options = WriteOptions { attributes: pairs.to_vec(), ..Default::default() };
-    let (_folder, path, _) = written(&film, "a.exr", &options);
+    let (_folder, path, _) = written(&picture, "a.exr", &options);
     assert_eq!(channel(&path, "A"), vec![0.5; 16]);
     assert_eq!(channel(&path, "depth.Z"), (0..16).map(|i| i as f32).collect::<Vec<_>>());
     let image = ::exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
@@ -73,22 +73,22 @@ fn exr_records_alpha_layers_and_attributes_in_one_order() {
 
     let bytes = std::fs::read(&path).unwrap();
     for _ in 0..4 {
-        let (_folder, again, _) = written(&film, "b.exr", &options);
+        let (_folder, again, _) = written(&picture, "b.exr", &options);
         assert_eq!(std::fs::read(again).unwrap(), bytes);
     }
 }
 
 #[test]
 fn png_is_tone_mapped_srgb_and_says_so() {
-    let mut film = Film::new(2, 1);
-    film.pixels = vec![Vec3::splat(0.25), Vec3::new(8.0, 0.5, 0.0)];
+    let mut picture = Picture::new(2, 1);
+    picture.pixels = vec![Vec3::splat(0.25), Vec3::new(8.0, 0.5, 0.0)];
     let options = WriteOptions {
         tone_map: ToneMap::Linear,
         exposure: 1.0,
         attributes: vec![("nephrite:scene".to_owned(), "Schüssel.glb".to_owned())],
         ..Default::default()
     };
-    let (_folder, path, _) = written(&film, "a.png", &options);
+    let (_folder, path, _) = written(&picture, "a.png", &options);
     // 0.5 → 188 (0.7354), 16 → 255, 1 → 255.
     assert_eq!(image::open(&path).unwrap().into_rgb8().into_raw(), [188, 188, 188, 255, 255, 0]);
     let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
@@ -103,25 +103,25 @@ fn png_is_tone_mapped_srgb_and_says_so() {
 
 #[test]
 fn png_alpha_is_straight() {
-    let mut film = Film::new(2, 1);
-    film.pixels = vec![Vec3::splat(0.125), Vec3::ZERO];
-    film.alpha = Some(vec![0.25, 0.0]);
+    let mut picture = Picture::new(2, 1);
+    picture.pixels = vec![Vec3::splat(0.125), Vec3::ZERO];
+    picture.alpha = Some(vec![0.25, 0.0]);
     let options = WriteOptions { tone_map: ToneMap::Linear, ..Default::default() };
-    let (_folder, path, _) = written(&film, "a.png", &options);
+    let (_folder, path, _) = written(&picture, "a.png", &options);
     assert_eq!(image::open(&path).unwrap().into_rgba8().into_raw(), [188, 188, 188, 64, 0, 0, 0, 0]);
 }
 
 #[test]
 fn jpeg_and_hdr_come_back_close() {
-    let film = gradient(16, 16);
-    let (_a, path, _) = written(&film, "a.hdr", &WriteOptions::default());
+    let picture = gradient(16, 16);
+    let (_a, path, _) = written(&picture, "a.hdr", &WriteOptions::default());
     let image = image::open(&path).unwrap().into_rgb32f();
-    for (read, expected) in image.pixels().zip(&film.pixels) {
+    for (read, expected) in image.pixels().zip(&picture.pixels) {
         // The shared exponent leaves 8 bits to the largest channel.
         let error = (Vec3::from_array(read.0) - *expected).abs().max_element();
         assert!(error <= expected.max_element() / 128.0, "{read:?} {expected}");
     }
-    let mut grey = Film::new(16, 16);
+    let mut grey = Picture::new(16, 16);
     grey.pixels.fill(Vec3::splat(0.5));
     let options = WriteOptions { tone_map: ToneMap::Linear, ..Default::default() };
     let (_b, path, _) = written(&grey, "a.jpg", &options);
@@ -131,12 +131,12 @@ fn jpeg_and_hdr_come_back_close() {
 
 #[test]
 fn broken_pixels_become_black_and_are_counted() {
-    let mut film = gradient(4, 4);
-    film.pixels[3].y = f32::NAN;
-    film.pixels[5] = Vec3::splat(f32::INFINITY);
-    film.pixels[7].x = 1e6;
+    let mut picture = gradient(4, 4);
+    picture.pixels[3].y = f32::NAN;
+    picture.pixels[5] = Vec3::splat(f32::INFINITY);
+    picture.pixels[7].x = 1e6;
     for name in ["a.exr", "a.png", "a.jpg", "a.hdr"] {
-        let (_folder, path, report) = written(&film, name, &WriteOptions::default());
+        let (_folder, path, report) = written(&picture, name, &WriteOptions::default());
         assert_eq!(report.non_finite, 2, "{name}");
         assert_eq!(report.clamped_to_half, usize::from(name == "a.exr"), "{name}");
         if name == "a.exr" {
@@ -144,17 +144,18 @@ fn broken_pixels_become_black_and_are_counted() {
             assert_eq!(channel(&path, "R")[7], 65504.0);
         }
     }
-    assert!(film.mean().iter().all(|m| m.is_finite()));
+    assert!(picture.mean().iter().all(|m| m.is_finite()));
 }
 
 #[test]
 fn films_of_the_wrong_length_are_refused_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
-    let mut film = gradient(4, 4);
-    film.pixels.pop();
-    let error = write(&folder.path().join("a.png"), &film, &WriteOptions::default()).unwrap_err();
+    let mut picture = gradient(4, 4);
+    picture.pixels.pop();
+    let error = write(&folder.path().join("a.png"), &picture, &WriteOptions::default()).unwrap_err();
     assert!(matches!(error, WriteError::Malformed(_)), "{error}");
-    let error = write(&folder.path().join("a.png"), &Film::new(0, 4), &WriteOptions::default()).unwrap_err();
+    let error =
+        write(&folder.path().join("a.png"), &Picture::new(0, 4), &WriteOptions::default()).unwrap_err();
     assert!(matches!(error, WriteError::Malformed(_)), "{error}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

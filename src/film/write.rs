@@ -1,10 +1,10 @@
-//! Writing a film to a file: the common entrance of all formats.
+//! Writing a picture to a file: the common entrance of all formats.
 
-use super::{Film, Format, ToneMap, UnknownFormat, atomic};
+use super::{Format, Picture, ToneMap, UnknownFormat, atomic};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// How to write a film.
+/// How to write a picture.
 #[derive(Clone, Debug, Default)]
 pub struct WriteOptions {
     /// Tone map of the display formats.
@@ -27,13 +27,13 @@ pub struct WriteReport {
     pub clamped_to_half: usize,
 }
 
-/// Why a film could not be written.
+/// Why a picture could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The extension names no format.
     #[error(transparent)]
     UnknownFormat(#[from] UnknownFormat),
-    /// The film's vectors do not have the length that its size asks for.
+    /// The picture's vectors do not have the length that its size asks for.
     #[error("not an image: {0}")]
     Malformed(String),
     /// The format cannot hold the image.
@@ -44,26 +44,26 @@ pub enum WriteError {
     Io(#[from] io::Error),
 }
 
-/// Writes a film in the format of the path's extension. The file appears complete or not at all
-/// ([`atomic::write_atomically`]). The bytes are a function of the film and the options alone.
-pub fn write(path: &Path, film: &Film, options: &WriteOptions) -> Result<WriteReport, WriteError> {
+/// Writes a picture in the format of the path's extension. The file appears complete or not at all
+/// ([`atomic::write_atomically`]). The bytes are a function of the picture and the options alone.
+pub fn write(path: &Path, picture: &Picture, options: &WriteOptions) -> Result<WriteReport, WriteError> {
     let format = Format::from_path(path)?;
-    film.check().map_err(WriteError::Malformed)?;
-    if film.width.max(film.height) > format.max_side() {
+    picture.check().map_err(WriteError::Malformed)?;
+    if picture.width.max(picture.height) > format.max_side() {
         return Err(WriteError::Encoding(format!(
             "an image of {} × {} pixels is too large for this format, which ends at {} a side",
-            film.width,
-            film.height,
+            picture.width,
+            picture.height,
             format.max_side()
         )));
     }
     let mut report = WriteReport::default();
     atomic::write_atomically(path, |out: &mut dyn Write| {
         report = match format {
-            Format::Exr => super::exr::encode(out, film, options)?,
-            Format::Png => super::display::encode_png(out, film, options)?,
-            Format::Jpeg => super::display::encode_jpeg(out, film, options)?,
-            Format::Hdr => super::hdr::encode(out, film)?,
+            Format::Exr => super::exr::encode(out, picture, options)?,
+            Format::Png => super::display::encode_png(out, picture, options)?,
+            Format::Jpeg => super::display::encode_jpeg(out, picture, options)?,
+            Format::Hdr => super::hdr::encode(out, picture)?,
         };
         Ok::<(), WriteError>(())
     })?;
@@ -71,7 +71,7 @@ pub fn write(path: &Path, film: &Film, options: &WriteOptions) -> Result<WriteRe
 }
 
 impl WriteReport {
-    /// The worse of two reports, for one film written to several files.
+    /// The worse of two reports, for one picture written to several files.
     pub fn max(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite.max(other.non_finite),
@@ -81,9 +81,9 @@ impl WriteReport {
 }
 
 /// The number of pixels with a channel that is not finite.
-pub(super) fn count_non_finite(film: &Film) -> usize {
-    let alpha = |i: usize| film.alpha.as_ref().is_none_or(|alpha| alpha[i].is_finite());
-    film.pixels.iter().enumerate().filter(|&(i, p)| !p.is_finite() || !alpha(i)).count()
+pub(super) fn count_non_finite(picture: &Picture) -> usize {
+    let alpha = |i: usize| picture.alpha.as_ref().is_none_or(|alpha| alpha[i].is_finite());
+    picture.pixels.iter().enumerate().filter(|&(i, p)| !p.is_finite() || !alpha(i)).count()
 }
 
 /// The value, or 0 if it is not finite.

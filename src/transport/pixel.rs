@@ -2,10 +2,10 @@
 //!
 //! Where the background is transparent, colours are premultiplied: light from objects, over nothing. A shadow is black
 //! there, with the alpha of the luminance that it takes away. A shadow may have a colour, which one alpha cannot say, so
-//! the film also gets a layer `shadow`: what each channel of a background keeps, of all that objects do not cover. A
+//! the picture also gets a layer `shadow`: what each channel of a background keeps, of all that objects do not cover. A
 //! background B goes behind a picture C as C + B · shadow.
 
-use crate::film::{Channel, Film, Layer};
+use crate::film::{Channel, Layer, Picture};
 use glam::{DVec3, Vec3};
 
 /// What one camera path found.
@@ -75,11 +75,11 @@ impl Coverage {
     }
 }
 
-/// Puts composites, row by row, into a film.
-pub(super) fn into_film(film: &mut Film, composites: &[Composite], transparent: bool, ground: bool) {
-    film.pixels = composites.iter().map(|c| c.radiance).collect();
+/// Puts composites, row by row, into a picture.
+pub(super) fn into_picture(picture: &mut Picture, composites: &[Composite], transparent: bool, ground: bool) {
+    picture.pixels = composites.iter().map(|c| c.radiance).collect();
     if transparent {
-        film.alpha = Some(composites.iter().map(|c| c.alpha).collect());
+        picture.alpha = Some(composites.iter().map(|c| c.alpha).collect());
     }
     if ground {
         let channel = |i: usize, name: &str| Channel {
@@ -87,7 +87,7 @@ pub(super) fn into_film(film: &mut Film, composites: &[Composite], transparent: 
             values: composites.iter().map(|c| c.kept[i]).collect(),
         };
         let channels = vec![channel(0, "R"), channel(1, "G"), channel(2, "B")];
-        film.layers.push(Layer { name: "shadow".to_owned(), channels });
+        picture.layers.push(Layer { name: "shadow".to_owned(), channels });
     }
 }
 

@@ -5,11 +5,11 @@
 //! every tile it finished.
 
 use super::path::PathTracer;
-use super::pixel::{Composite, Coverage, into_film};
+use super::pixel::{Composite, Coverage, into_picture};
 use super::state::Counters;
 use super::surroundings::Surroundings;
 use super::threads::on_threads;
-use crate::film::Film;
+use crate::film::Picture;
 use crate::optics::Microfacet;
 use crate::sampling::Sampler;
 use crate::scene::{Camera, CameraDescription, Footprint, Scene};
@@ -60,7 +60,7 @@ pub struct RenderOptions {
     pub texture_filter: f32,
     /// Height (y, metres) of a horizontal plane that is seen only by the shadow that falls on it.
     pub ground: Option<f32>,
-    /// Whether the background is left out, and the film has alpha.
+    /// Whether the background is left out, and the picture has alpha.
     pub transparent: bool,
 }
 
@@ -145,7 +145,7 @@ impl std::ops::AddAssign for RenderStats {
 #[derive(Debug)]
 pub struct Rendered {
     /// Mean radiance of every pixel.
-    pub film: Film,
+    pub picture: Picture,
     /// Samples that every pixel has (fewer than asked for after cancellation).
     pub spp: u32,
     /// What happened on the way.
@@ -349,11 +349,11 @@ impl Job<'_> {
     }
 
     fn assemble(&self, tiles: &[Tile]) -> Rendered {
-        let mut film = Film::new(self.options.width, self.options.height);
+        let mut picture = Picture::new(self.options.width, self.options.height);
         let mut stats = RenderStats::default();
         let mut composites = Vec::new();
         if self.has_coverage() {
-            composites.resize(film.pixels.len(), Composite::default());
+            composites.resize(picture.pixels.len(), Composite::default());
         }
         for tile in tiles {
             for (i, sum) in tile.sums.iter().enumerate() {
@@ -364,7 +364,7 @@ impl Job<'_> {
                     (Some(coverage), Some(composite)) => {
                         *composite = coverage.finish(mean, tile.samples, self.options.transparent);
                     }
-                    _ => film.pixels[at] = mean.as_vec3(),
+                    _ => picture.pixels[at] = mean.as_vec3(),
                 }
             }
             stats.rays += tile.counters.rays;
@@ -376,9 +376,9 @@ impl Job<'_> {
         }
         if self.has_coverage() {
             let &RenderOptions { transparent, ground, .. } = self.options;
-            into_film(&mut film, &composites, transparent, ground.is_some());
+            into_picture(&mut picture, &composites, transparent, ground.is_some());
         }
-        Rendered { film, spp: tiles.iter().map(|t| t.samples).min().unwrap_or(0), stats }
+        Rendered { picture, spp: tiles.iter().map(|t| t.samples).min().unwrap_or(0), stats }
     }
 }
 

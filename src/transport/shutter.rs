@@ -10,7 +10,7 @@
 //! cancels is blurred evenly.
 
 use super::render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render_with};
-use crate::film::Film;
+use crate::film::Picture;
 use crate::sampling::rng::hash3;
 use crate::scene::{CameraDescription, Scene};
 use crate::subsurface::Registry;
@@ -105,12 +105,12 @@ pub fn render_shutter<E: From<RenderError>>(
             break;
         }
         stats += rendered.stats;
-        sum.add(&rendered.film, slice.samples);
+        sum.add(&rendered.picture, slice.samples);
         if sum.samples < options.spp {
-            control.between_passes(&|| Rendered { spp: sum.samples, film: sum.mean(), stats });
+            control.between_passes(&|| Rendered { spp: sum.samples, picture: sum.mean(), stats });
         }
     }
-    Ok(Rendered { spp: sum.samples, film: sum.mean(), stats })
+    Ok(Rendered { spp: sum.samples, picture: sum.mean(), stats })
 }
 
 /// Progress of one slice as a part of the whole.
@@ -143,38 +143,38 @@ impl RenderControl for Part<'_> {
 struct Sum {
     samples: u32,
     /// The first film; its numbers are replaced by means.
-    film: Film,
+    picture: Picture,
     numbers: Vec<f64>,
 }
 
 impl Sum {
-    fn add(&mut self, film: &Film, samples: u32) {
+    fn add(&mut self, picture: &Picture, samples: u32) {
         if self.samples == 0 {
-            self.film = film.clone();
-            self.numbers = vec![0.0; values(&mut self.film).count()];
+            self.picture = picture.clone();
+            self.numbers = vec![0.0; values(&mut self.picture).count()];
         }
-        let mut film = film.clone();
-        for (sum, value) in self.numbers.iter_mut().zip(values(&mut film)) {
+        let mut picture = picture.clone();
+        for (sum, value) in self.numbers.iter_mut().zip(values(&mut picture)) {
             *sum += f64::from(*value) * f64::from(samples);
         }
         self.samples += samples;
     }
 
-    fn mean(&self) -> Film {
+    fn mean(&self) -> Picture {
         let samples = f64::from(self.samples.max(1));
-        let mut film = self.film.clone();
-        for (value, sum) in values(&mut film).zip(&self.numbers) {
+        let mut picture = self.picture.clone();
+        for (value, sum) in values(&mut picture).zip(&self.numbers) {
             *value = (sum / samples) as f32;
         }
-        film
+        picture
     }
 }
 
-/// All numbers of a film, in a fixed order.
-fn values(film: &mut Film) -> impl Iterator<Item = &mut f32> {
-    let layers = film.layers.iter_mut().flat_map(|layer| &mut layer.channels).flat_map(|c| &mut c.values);
-    let pixels = film.pixels.iter_mut().flat_map(|p| p.as_mut());
-    pixels.chain(film.alpha.iter_mut().flatten()).chain(layers)
+/// All numbers of a picture, in a fixed order.
+fn values(picture: &mut Picture) -> impl Iterator<Item = &mut f32> {
+    let layers = picture.layers.iter_mut().flat_map(|layer| &mut layer.channels).flat_map(|c| &mut c.values);
+    let pixels = picture.pixels.iter_mut().flat_map(|p| p.as_mut());
+    pixels.chain(picture.alpha.iter_mut().flatten()).chain(layers)
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub fn reflected(json: &Value, v: DVec3, l: DVec3, microfacet: Microfacet) -> [f
 /// The mean of a picture without noise.
 pub fn picture(scene: SceneDescription, options: &RenderOptions) -> [f64; 3] {
     let scene = Scene::build(scene).expect("builds");
-    let film = render(&scene, options, &()).expect("renders").film;
+    let film = render(&scene, options, &()).expect("renders").picture;
     let sum: DVec3 = film.pixels.iter().map(|p| p.as_dvec3()).sum();
     (sum / film.pixels.len() as f64).to_array()
 }

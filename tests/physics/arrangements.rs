@@ -161,7 +161,7 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
             let mut options = options(ortho(direction, 3.0, 0.6), 12, spp);
             (options.seed, options.max_depth) = (seed, 20_000);
             let rendered = render(&scene, &options, &()).expect("renders");
-            let pixels: Vec<_> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+            let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
             (Estimate::of(&pixels), rendered)
         };
         // As many samples as it takes, as the first ones tell, which are not used for more.
@@ -171,7 +171,7 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
         if rendered.stats.truncated_paths + rendered.stats.invalid_samples > 0 {
             wrong.push(format!("{seed}: {:?}", rendered.stats));
         }
-        let off = rendered.film.pixels.iter().map(|p| (*p - 1.0).abs().max_element()).fold(0.0, f32::max);
+        let off = rendered.picture.pixels.iter().map(|p| (*p - 1.0).abs().max_element()).fold(0.0, f32::max);
         if clear && off > 1e-3 {
             wrong.push(format!("{seed}: a pixel is off by {off}"));
         }

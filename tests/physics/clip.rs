@@ -35,7 +35,7 @@ const LENSES: [Projection; 2] = [
 fn picture(scene: &Scene, camera: CameraDescription, spp: u32) -> Vec<Vec3> {
     let rendered = render(scene, &options(camera, 16, spp), &()).expect("renders");
     assert_eq!(rendered.stats.leaked_paths, 0);
-    rendered.film.pixels
+    rendered.picture.pixels
 }
 
 #[track_caller]
@@ -147,7 +147,7 @@ fn media_begin_at_the_near_plane_and_end_at_the_far_plane() {
             let rendered = render(&scene, &options(view.clone(), 60, 16), &()).expect("renders");
             assert_eq!(rendered.stats.leaked_paths, 0);
             let bound = Camera::new(&view, 60, 60);
-            for (i, p) in rendered.film.pixels.iter().enumerate() {
+            for (i, p) in rendered.picture.pixels.iter().enumerate() {
                 let lengths = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 0.5)].map(|(x, y)| {
                     let ray = bound.ray(Vec2::new((i % 60) as f32 + x, (i / 60) as f32 + y));
                     inside(ray.origin, ray.direction, near, far)
@@ -185,8 +185,8 @@ fn the_ground_ends_at_the_far_plane() {
     };
     let mean = |far| {
         let options = RenderOptions { ground: Some(0.0), ..options(view(far), 8, 16) };
-        let film = render(&scene, &options, &()).expect("renders").film;
-        film.pixels.iter().map(|p| p.x).sum::<f32>() / 64.0
+        let picture = render(&scene, &options, &()).expect("renders").picture;
+        picture.pixels.iter().map(|p| p.x).sum::<f32>() / 64.0
     };
     assert!((mean(0.2) - 1.0).abs() < 1e-6);
     assert!(mean(10.0) < 0.2, "{}", mean(10.0));

@@ -48,8 +48,8 @@ fn pictures_do_not_depend_on_threads_and_repeat() {
             seed,
             ..options(ortho(Vec3::new(-0.3, -0.5, -0.8), 0.3, 0.05), 1, 7)
         };
-        let film = render(&scene, &options, &()).expect("renders").film;
-        film.pixels.iter().flat_map(|p| p.to_array()).map(f32::to_bits).collect::<Vec<u32>>()
+        let picture = render(&scene, &options, &()).expect("renders").picture;
+        picture.pixels.iter().flat_map(|p| p.to_array()).map(f32::to_bits).collect::<Vec<u32>>()
     };
     let one = picture(1, 5);
     assert!(one == picture(1, 5), "two runs differ");
@@ -63,6 +63,6 @@ fn pictures_do_not_depend_on_threads_and_repeat() {
 #[test]
 fn compiling_a_scene_again_gives_the_same_picture() {
     let options = options(ortho(Vec3::new(-0.3, -0.5, -0.8), 0.3, 0.05), 24, 3);
-    let pictures = [(), ()].map(|()| render(&scene(), &options, &()).expect("renders").film.pixels);
+    let pictures = [(), ()].map(|()| render(&scene(), &options, &()).expect("renders").picture.pixels);
     assert_eq!(pictures[0], pictures[1]);
 }

@@ -100,7 +100,7 @@ fn brdf_models_reflect_what_their_integrals_say() {
         let mut models = Registry::standard();
         models.register(Box::new(subsurface::BrdfApproximation { cosines: Cosines::Unrefracted }));
         let rendered = render_with(&scene, &options_of("brdf-approximation", view, 32, 128), &(), &models);
-        let pixels = rendered.expect("renders").film.pixels;
+        let pixels = rendered.expect("renders").picture.pixels;
         let values: Vec<_> = pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
         let what = format!("view {i}, unrefracted cosines");
         Estimate::of(&values).assert_matches(expected, expected.map(|e| 3e-4 * e), &what);

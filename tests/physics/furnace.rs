@@ -46,7 +46,7 @@ fn furnace_seen_from(camera: CameraDescription, scene: SceneDescription, toleran
                 .expect("renders");
             assert_eq!(rendered.stats.invalid_samples, 0, "{what}");
             truncated += rendered.stats.truncated_paths;
-            rendered.film.pixels
+            rendered.picture.pixels
         })
         .collect();
     // Rounding lets a path in a million through the mesh without an exit.

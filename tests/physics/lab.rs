@@ -215,7 +215,7 @@ pub struct Estimate {
 pub fn measure(scene: &Scene, options: &RenderOptions) -> Estimate {
     let rendered = render(scene, options, &()).expect("renders");
     assert_eq!(rendered.stats.invalid_samples, 0);
-    let pixels: Vec<[f64; 3]> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+    let pixels: Vec<[f64; 3]> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
     Estimate::of(&pixels)
 }
 
@@ -246,7 +246,7 @@ pub fn measure_pictures(scene: &Scene, options: &RenderOptions, pictures: u32) -
         assert_eq!(rendered.stats.invalid_samples, 0);
         let (w, h) = (options.width as usize, options.height as usize);
         let mut sums = [[0.0; 3]; 5];
-        for (i, p) in rendered.film.pixels.iter().enumerate() {
+        for (i, p) in rendered.picture.pixels.iter().enumerate() {
             let quarter = 1 + usize::from(i % w >= w / 2) + 2 * usize::from(i / w >= h / 2);
             for c in 0..3 {
                 sums[0][c] += f64::from(p[c]) / (w * h) as f64;

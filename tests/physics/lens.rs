@@ -35,7 +35,7 @@ const PIXELS: u32 = 40;
 fn spread(scene: &Scene, camera: CameraDescription, spp: u32) -> (f64, f64) {
     let picture = render(scene, &options(camera, PIXELS, spp), &()).expect("renders");
     let (mut sum, mut square) = (0.0, 0.0);
-    for (i, pixel) in picture.film.pixels.iter().enumerate() {
+    for (i, pixel) in picture.picture.pixels.iter().enumerate() {
         let place = DVec2::new(f64::from(i as u32 % PIXELS), f64::from(i as u32 / PIXELS)) + 0.5;
         let place = place / f64::from(PIXELS) - 0.5;
         sum += f64::from(pixel.x);
@@ -74,7 +74,7 @@ fn what_is_in_focus_is_as_sharp_as_through_a_pinhole() {
     let pinhole = CameraDescription { lens: None, ..open.clone() };
     let stopped = camera(1e7, 3.0, 0.01);
     let picture = |camera: &CameraDescription, spp| {
-        render(&scene, &options(camera.clone(), PIXELS, spp), &()).expect("renders").film.pixels
+        render(&scene, &options(camera.clone(), PIXELS, spp), &()).expect("renders").picture.pixels
     };
     let sharp = picture(&pinhole, 16);
     for camera in [&open, &stopped] {

@@ -337,7 +337,7 @@ fn depth_counts_scatterings() {
         let scene = Scene::build(single(slab, material, sky)).expect("builds");
         let options = RenderOptions { max_depth, ..options(ortho(Vec3::NEG_Y, 5.0, 1.0), 24, 1024) };
         let rendered = render(&scene, &options, &()).expect("renders");
-        let pixels: Vec<_> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+        let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
         let case = format!("index {index}, {max_depth} events");
         Estimate::of(&pixels).assert_matches([expected; 3], [1e-6; 3], &case);
         assert_eq!(rendered.stats.truncated_paths > 0, expected < 1.0, "{case}: {:?}", rendered.stats);
@@ -353,8 +353,12 @@ fn an_open_mesh_renders() {
         let scene = Scene::build(scene).expect("builds");
         let rendered = render(&scene, &options(view(), 48, 16), &()).expect("renders");
         assert_eq!(rendered.stats.invalid_samples, 0);
-        assert!(rendered.film.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0));
-        assert!(rendered.film.mean().iter().all(|&m| m > 0.01 && m < 2.0), "{:?}", rendered.film.mean());
+        assert!(rendered.picture.pixels.iter().all(|p| p.is_finite() && p.min_element() >= 0.0));
+        assert!(
+            rendered.picture.mean().iter().all(|&m| m > 0.01 && m < 2.0),
+            "{:?}",
+            rendered.picture.mean()
+        );
     }
 }
 

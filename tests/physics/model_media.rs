@@ -64,8 +64,8 @@ fn models_let_no_light_in_through_opaque_parts() {
     let above = ortho(Vec3::NEG_Y, 0.2, 0.012);
     for model in MODELS {
         let options = RenderOptions { subsurface: model.into(), ..options(above.clone(), 16, 32) };
-        let film = render(&scene, &options, &()).expect("renders").film;
-        assert!(film.pixels.iter().all(|p| *p == Vec3::ZERO), "{model}: light came in");
+        let picture = render(&scene, &options, &()).expect("renders").picture;
+        assert!(picture.pixels.iter().all(|p| *p == Vec3::ZERO), "{model}: light came in");
     }
 }
 

@@ -66,7 +66,7 @@ fn looks(description: SceneDescription, transform: &Affine3A, degrees: f32) -> V
     let mut camera = ortho(-away, 2.0 * across, 0.02 * across);
     camera.transform.translation += glam::Vec3A::from(target);
     let options = RenderOptions { max_depth: 100, ..options(camera, 8, 16) };
-    render(&scene, &options, &()).expect("renders").film.pixels
+    render(&scene, &options, &()).expect("renders").picture.pixels
 }
 
 fn mean(pixels: &[Vec3]) -> Vec3 {
@@ -292,7 +292,7 @@ fn below_a_lamp(others: Vec<(MeshDescription, MaterialDescription)>, first: bool
     // From below the lamp, past which no ray goes.
     let mut camera = ortho(Vec3::new(0.0, 0.0, -1.0), 0.5, 0.01);
     camera.transform.translation.z = 0.5;
-    mean(&render(&scene, &options(camera, 8, 64), &()).expect("renders").film.pixels)
+    mean(&render(&scene, &options(camera, 8, 64), &()).expect("renders").picture.pixels)
 }
 
 fn unlit_off() -> MaterialDescription {
@@ -353,7 +353,7 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     let camera = ortho(Vec3::new(0.1, 0.2, -1.0), 2.0, 0.02);
     let rendered =
         render(&scene, &RenderOptions { max_depth: 1, ..options(camera, 4, 4) }, &()).expect("renders");
-    assert!(rendered.film.pixels.iter().all(|p| (*p - 1.0).abs().max_element() < 1e-5));
+    assert!(rendered.picture.pixels.iter().all(|p| (*p - 1.0).abs().max_element() < 1e-5));
     assert_eq!(rendered.stats.truncated_paths, 0);
 
     // Smooth glass is crossed twice: with one event the light is cut off, and counted.
@@ -367,10 +367,10 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     let (one, two) = (seen(1), seen(2));
     // 4 % are reflected at each face: 4096 samples, standard error 0.003. Of 3932 ± 12.5 the walks are cut off that follow
     // the refraction, four of each.
-    assert!((mean(&one.film.pixels).x - 0.04).abs() < 0.013);
+    assert!((mean(&one.picture.pixels).x - 0.04).abs() < 0.013);
     let cut = one.stats.truncated_paths;
     assert!((4 * 3882..=4 * 3982).contains(&cut) && two.stats.truncated_paths < cut, "{cut}");
-    assert!((mean(&two.film.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
+    assert!((mean(&two.picture.pixels).x - (0.04 + 0.96 * 0.96)).abs() < 0.013);
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn look(scene: SceneDescription, spp: u32) -> (Estimate, RenderStats) {
     let options = RenderOptions { max_depth: HELD, ..options(sight(&scene), SIDE, spp) };
     let scene = Scene::build(scene).expect("builds");
     let rendered = render(&scene, &options, &()).expect("renders");
-    let pixels: Vec<_> = rendered.film.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
+    let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
     (Estimate::of(&pixels), rendered.stats)
 }
 

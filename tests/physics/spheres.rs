@@ -108,7 +108,7 @@ fn the_middle_of_a_ball_is_as_bright_as_what_gets_out_of_it() {
         let options =
             RenderOptions { subsurface: model.to_owned(), seed: seed_of(&case), ..options(camera, 24, spp) };
         let rendered = render(&scene, &options, &()).expect("renders");
-        let (pixels, stats) = (rendered.film.pixels, rendered.stats);
+        let (pixels, stats) = (rendered.picture.pixels, rendered.stats);
         assert_eq!((stats.truncated_paths, stats.invalid_samples), (0, 0), "{case}");
         let found = Estimate::of(&pixels.iter().map(|p| p.as_dvec3().to_array()).collect::<Vec<_>>());
         for (c, (expected, error)) in FROM_THE_MIDDLE.into_iter().enumerate() {

@@ -43,7 +43,7 @@ fn light_falls_off_with_the_shading_normal() {
         let rendered =
             nephrite::transport::render(&scene, &options(view.clone(), PIXELS, 256), &()).expect("renders");
         let (mut all, mut late) = ([0.0f64; 2], [0.0f64; 2]);
-        for (i, pixel) in rendered.film.pixels.iter().enumerate() {
+        for (i, pixel) in rendered.picture.pixels.iter().enumerate() {
             let expected = told(i as u32 % PIXELS, i as u32 / PIXELS);
             let found = [f64::from(pixel.x), expected];
             (0..2).for_each(|k| all[k] += found[k]);

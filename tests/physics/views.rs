@@ -44,11 +44,11 @@ fn the_shadow_of_a_black_square_is_its_configuration_factor() {
     measure(&scene, &shadow).assert_matches(expected, [1e-5; 3], "shadow");
 
     let clear = RenderOptions { transparent: true, ..shadow };
-    let film = render(&scene, &clear, &()).expect("renders").film;
-    assert!(film.pixels.iter().all(|p| *p == Vec3::ZERO), "a shadow is black");
-    let alpha: Vec<[f64; 3]> = film.alpha.expect("alpha").iter().map(|&a| [f64::from(a); 3]).collect();
+    let picture = render(&scene, &clear, &()).expect("renders").picture;
+    assert!(picture.pixels.iter().all(|p| *p == Vec3::ZERO), "a shadow is black");
+    let alpha: Vec<[f64; 3]> = picture.alpha.expect("alpha").iter().map(|&a| [f64::from(a); 3]).collect();
     Estimate::of(&alpha).assert_matches([f64::from(1.0 - kept); 3], [1e-5; 3], "alpha");
-    let layer = &film.layers[0];
+    let layer = &picture.layers[0];
     assert_eq!(layer.name, "shadow");
     let values: Vec<[f64; 3]> =
         (0..24 * 24).map(|i| [0, 1, 2].map(|c| f64::from(layer.channels[c].values[i]))).collect();
@@ -72,10 +72,10 @@ fn nothing_in_the_way_leaves_the_background_as_it_is() {
     let scene = Scene::build(description).expect("builds");
     let camera = ortho(Vec3::new(1.0, -1.0, 0.0), 3.0, 2.0);
     let plain = RenderOptions { ground: Some(0.0), ..options(camera, 8, 2) };
-    let film = render(&scene, &plain, &()).expect("renders").film;
-    assert!(film.pixels.iter().all(|p| (*p - 0.6).abs().max_element() < 1e-6), "{:?}", film.pixels);
+    let picture = render(&scene, &plain, &()).expect("renders").picture;
+    assert!(picture.pixels.iter().all(|p| (*p - 0.6).abs().max_element() < 1e-6), "{:?}", picture.pixels);
     let clear = RenderOptions { transparent: true, ..plain };
-    let alpha = render(&scene, &clear, &()).expect("renders").film.alpha.expect("alpha");
+    let alpha = render(&scene, &clear, &()).expect("renders").picture.alpha.expect("alpha");
     assert!(alpha.iter().all(|a| a.abs() < 1e-6));
 }
 
@@ -95,10 +95,10 @@ fn alpha_is_coverage_and_colours_are_premultiplied() {
     };
     // Three columns: covered, half covered, open.
     let clear = RenderOptions { transparent: true, ..options(camera, 3, 1024) };
-    let film = render(&scene, &clear, &()).expect("renders").film;
-    let alpha = film.alpha.expect("alpha");
+    let picture = render(&scene, &clear, &()).expect("renders").picture;
+    let alpha = picture.alpha.expect("alpha");
     for row in 0..3 {
-        let at = |x: usize| (film.pixels[3 * row + x].x, alpha[3 * row + x]);
+        let at = |x: usize| (picture.pixels[3 * row + x].x, alpha[3 * row + x]);
         assert_eq!(at(2), (0.0, 0.0));
         assert_eq!(at(0).1, 1.0);
         // 1024 stratified samples.
@@ -119,7 +119,7 @@ fn orthographic_rays_start_inside_or_beside_an_object() {
     let camera = ortho(Vec3::NEG_Z, 0.0, 1.5);
     let rendered = render(&scene, &options(camera, 60, 64), &()).expect("renders");
     assert_eq!(rendered.stats.leaked_paths, 0);
-    for (i, p) in rendered.film.pixels.iter().enumerate() {
+    for (i, p) in rendered.picture.pixels.iter().enumerate() {
         let at = (Vec2::new((i % 60) as f32, (i / 60) as f32) + 0.5) * 0.05 - 1.5;
         let r = at.length();
         if (r - 1.0).abs() < 0.1 {
@@ -180,7 +180,7 @@ fn small_textures_are_averaged_over_a_part_of_the_pixel() {
     let scene = Scene::build(checkers(1, Minify::Footprint)).expect("builds");
     let picture = |texture_filter| {
         let options = RenderOptions { texture_filter, ..options(camera(), 16, 4) };
-        render(&scene, &options, &()).expect("renders").film.pixels
+        render(&scene, &options, &()).expect("renders").picture.pixels
     };
     assert_eq!(picture(Footprint::DEFAULT_FILTER), picture(0.0));
 }
@@ -191,13 +191,13 @@ fn parts_of_a_picture_add_up_to_it_with_textures_and_an_open_shutter() {
     // 9 × 9 texels a pixel: a part of a pixel is about a texel wide, where widths matter.
     let scene = || Scene::build(checkers(9, Minify::Footprint)).expect("builds");
     let whole = options(above(), 16, 16);
-    let picture = |options: &RenderOptions| render(&scene(), options, &()).expect("renders").film.pixels;
+    let picture = |options: &RenderOptions| render(&scene(), options, &()).expect("renders").picture.pixels;
     let first = picture(&RenderOptions { spp: 3, ..whole.clone() });
     let second = picture(&RenderOptions { spp: 13, first_sample: 3, ..whole.clone() });
     let shutter = Shutter { open: 0.0, close: 1.0, slices: 5 };
     let pose = |_| Ok::<_, RenderError>((scene(), above()));
     let exposed = render_shutter(&shutter, &whole, &(), &Registry::standard(), pose).expect("renders");
-    let exposed = exposed.film.pixels;
+    let exposed = exposed.picture.pixels;
     let whole = picture(&whole);
     for (i, pixel) in whole.iter().enumerate() {
         // Means in single precision.

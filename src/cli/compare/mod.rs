@@ -23,7 +23,7 @@ use super::stats::Work;
 use super::warnings::report_counters;
 use crate::film::compare::{Comparison, Halves};
 use crate::film::figure;
-use crate::film::{Film, Format};
+use crate::film::{Format, Picture};
 use crate::plural::count;
 use crate::sampling::rng::{hash3, mix64};
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ struct Outputs {
 struct Entry {
     name: String,
     summary: String,
-    film: Film,
+    picture: Picture,
     work: Work,
 }
 
@@ -104,7 +104,7 @@ fn compare(args: CompareArgs, of: Option<&Path>) -> Result<(), Failure> {
         return Err(Failure::Interrupted);
     };
     let scene = &prepared.scene.description;
-    say_how_to_expose(&results.reference.film, scene, prepared.of_blender, &args.scene, &reporter);
+    say_how_to_expose(&results.reference.picture, scene, prepared.of_blender, &args.scene, &reporter);
     let drawn = sheet::draw(&args, &prepared, &results)?;
     let attributes = report::attributes(&args, &prepared, &results);
     let mut failures = Failures::default();
@@ -248,7 +248,7 @@ impl<'a> Bench<'a> {
         let Self { args, prepared, models, progress, .. } = self;
         let pixels = u64::from(prepared.width) * u64::from(prepared.height);
         let mut options = prepared.options(&args.scene, spp, name);
-        let mut films = Vec::new();
+        let mut pictures = Vec::new();
         let (rendered, work) = Work::of(|| {
             for half in 0..2 {
                 options.seed = seed_of(as_seed, half, args.scene.seed);
@@ -260,17 +260,17 @@ impl<'a> Bench<'a> {
                 *done += pixels * u64::from(spp);
                 let samples = pixels as f64 * f64::from(spp);
                 report_counters(&rendered.stats, samples, &format!("{name}: "), self.reporter);
-                films.push(rendered.film);
+                pictures.push(rendered.picture);
             }
             Ok(true)
         });
         if !rendered? {
             return Ok(None);
         }
-        let (Some(b), Some(a)) = (films.pop(), films.pop()) else { return Ok(None) };
+        let (Some(b), Some(a)) = (pictures.pop(), pictures.pop()) else { return Ok(None) };
         let halves = Halves::new(a, b).map_err(Failure::cannot)?;
         let summary = models.get(name).map_or("", |model| model.summary()).to_owned();
-        let entry = Entry { name: name.to_owned(), summary, film: halves.mean(), work };
+        let entry = Entry { name: name.to_owned(), summary, picture: halves.mean(), work };
         Ok(Some((entry, halves)))
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn json(args: &CompareArgs, prepared: &Prepared, results: &Results, f
                 "noise": found.noise,
                 "noise_p999": found.noise_p999,
                 "reference_noise": found.reference_noise,
-                "mean": entry.film.mean(),
+                "mean": entry.picture.mean(),
                 "mean_ratio": found.mean_ratio.map(number),
             })
         })
@@ -61,7 +61,7 @@ pub(super) fn json(args: &CompareArgs, prepared: &Prepared, results: &Results, f
             "spp": results.reference_spp,
             "seconds": reference.work.seconds,
             "cpu_seconds": reference.work.cpu_seconds,
-            "mean": reference.film.mean(),
+            "mean": reference.picture.mean(),
         },
         "false_color_full_scale": full_scale,
         "models": models,

@@ -5,11 +5,11 @@ use crate::cli::Failure;
 use crate::cli::args::CompareArgs;
 use crate::cli::setup::Prepared;
 use crate::film::compare::{Comparison, Measured};
-use crate::film::figure::{Arrangement, Cell, ColorBar, Picture, Sheet, false_color};
+use crate::film::figure::{Arrangement, Cell, ColorBar, Raster, Sheet, false_color};
 
 /// A sheet and what its colours mean.
 pub(super) struct Drawn {
-    pub picture: Picture,
+    pub picture: Raster,
     /// The difference that has the full colour.
     pub full_scale: f32,
 }
@@ -20,7 +20,7 @@ pub(super) fn draw(args: &CompareArgs, prepared: &Prepared, results: &Results) -
     let differences: Vec<Vec<f32>> = results
         .models
         .iter()
-        .map(|(entry, _)| false_color::luminance_difference(&entry.film.pixels, &reference.film.pixels))
+        .map(|(entry, _)| false_color::luminance_difference(&entry.picture.pixels, &reference.picture.pixels))
         .collect();
     let full_scale = common_scale(&differences);
     let noise = results.models.first().map(|(_, found)| found.reference_noise);
@@ -73,10 +73,10 @@ fn common_scale(differences: &[Vec<f32>]) -> f32 {
     scales.get(scales.len() / 2).copied().unwrap_or(1.0)
 }
 
-fn picture(args: &CompareArgs, entry: &Entry) -> Result<Picture, Failure> {
+fn picture(args: &CompareArgs, entry: &Entry) -> Result<Raster, Failure> {
     let (map, exposure) = (args.scene.tonemap, args.scene.exposure.exp2());
-    let film = &entry.film;
-    Picture::from_linear(film.width, film.height, &film.pixels, |p| map.apply(p * exposure))
+    let picture = &entry.picture;
+    Raster::from_linear(picture.width, picture.height, &picture.pixels, |p| map.apply(p * exposure))
         .map_err(Failure::cannot)
 }
 

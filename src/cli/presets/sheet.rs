@@ -8,7 +8,7 @@ use crate::cli::message::Reporter;
 use crate::cli::pipeline::{self, Registry, RenderControl, RenderOptions};
 use crate::cli::progress::Progress;
 use crate::film::ToneMap;
-use crate::film::figure::{Cell, Picture, Sheet};
+use crate::film::figure::{Cell, Raster, Sheet};
 use crate::light::studio::studio;
 use crate::optics::presets::{Preset, Source};
 use crate::plural::count;
@@ -96,7 +96,7 @@ fn render(
     radius: f32,
     models: &Registry,
     control: &dyn RenderControl,
-) -> Result<Picture, Failure> {
+) -> Result<Raster, Failure> {
     let one = preset.with_one_anisotropy();
     let vector = |v: [f64; 3]| Vec3::from_array(v.map(|v| v as f32));
     let medium = MediumDescription {
@@ -138,8 +138,8 @@ fn render(
         ..RenderOptions::new(camera(radius))
     };
     let rendered = pipeline::render(&scene, &options, models, control)?;
-    let pixels: Vec<Vec3> = rendered.film.pixels.clone();
-    Picture::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p))
+    let pixels: Vec<Vec3> = rendered.picture.pixels.clone();
+    Raster::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p))
         .map_err(Failure::cannot)
 }
 

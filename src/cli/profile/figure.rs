@@ -1,7 +1,7 @@
 //! The figure: for each channel R(r) on the left, and each model over the random walk on the right.
 
 use super::{Curve, Curves, Source};
-use crate::film::figure::{Axis, FigureError, PALETTE, Picture, Plot, Point, REFERENCE, Series, Style};
+use crate::film::figure::{Axis, FigureError, PALETTE, Plot, Point, REFERENCE, Raster, Series, Style};
 
 /// Pixels of one plot.
 const WIDTH: u32 = 1040;
@@ -14,10 +14,10 @@ const UNCERTAIN: f64 = 0.25;
 const QUOTIENTS: [f64; 2] = [0.1, 10.0];
 
 /// Draws all channels.
-pub(super) fn draw(found: &[Curves]) -> Result<Picture, FigureError> {
+pub(super) fn draw(found: &[Curves]) -> Result<Raster, FigureError> {
     let rows: Result<Vec<_>, _> =
         found.iter().map(|curves| Ok(vec![profiles(curves).draw()?, quotients(curves).draw()?])).collect();
-    Picture::grid(&rows?)
+    Raster::grid(&rows?)
 }
 
 /// R(r) against the distance in millimetres.

@@ -1,8 +1,8 @@
 //! Pictures of a case as data URIs: what was rendered, what should have been, and the difference.
 
 use crate::conformance::{Case, Outcome};
-use crate::film::Film;
-use crate::film::figure::{Picture, false_color};
+use crate::film::Picture;
+use crate::film::figure::{Raster, false_color};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::Vec3;
@@ -20,19 +20,19 @@ pub(super) struct Shown {
 
 /// The pictures of a case that has one. Both are scaled by one exposure: the brightest expected mean is white.
 pub(super) fn pictures(outcome: &Outcome) -> Option<Shown> {
-    let film = outcome.film.as_ref()?;
+    let picture = outcome.picture.as_ref()?;
     let expected = expected(&outcome.case)?;
     let white = expected.pixels.iter().map(|p| p.max_element()).fold(0.0, f32::max);
     let white = if white > 0.0 && white.is_finite() { white.min(4.0 * mean(&expected)) } else { 1.0 };
-    let show = |film: &Film| {
-        let picture = Picture::from_linear(film.width, film.height, &film.pixels, |p| p / white);
+    let show = |picture: &Picture| {
+        let picture = Raster::from_linear(picture.width, picture.height, &picture.pixels, |p| p / white);
         picture.ok().and_then(|p| uri(&p))
     };
-    let difference = false_color::luminance_difference(&film.pixels, &expected.pixels);
+    let difference = false_color::luminance_difference(&picture.pixels, &expected.pixels);
     let full_scale = false_color::full_scale(&difference);
-    let colored = false_color::signed(film.width, film.height, &difference, full_scale).ok()?;
+    let colored = false_color::signed(picture.width, picture.height, &difference, full_scale).ok()?;
     Some(Shown {
-        rendered: show(film)?,
+        rendered: show(picture)?,
         expected: show(&expected)?,
         difference: uri(&colored)?,
         full_scale,
@@ -41,29 +41,29 @@ pub(super) fn pictures(outcome: &Outcome) -> Option<Shown> {
 }
 
 /// The mean of the brightest channel.
-fn mean(film: &Film) -> f32 {
-    film.mean().into_iter().fold(0.0, f64::max).max(f64::from(f32::MIN_POSITIVE)) as f32
+fn mean(picture: &Picture) -> f32 {
+    picture.mean().into_iter().fold(0.0, f64::max).max(f64::from(f32::MIN_POSITIVE)) as f32
 }
 
 /// The reference, or the expected means where they are known: smaller regions lie over larger ones.
-fn expected(case: &Case) -> Option<Film> {
+fn expected(case: &Case) -> Option<Picture> {
     if let Some(reference) = &case.reference {
-        return Some(reference.film.clone());
+        return Some(reference.picture.clone());
     }
-    let mut film = Film::new(case.width, case.height);
+    let mut picture = Picture::new(case.width, case.height);
     for expectation in &case.expectations {
         let mean = Vec3::from(expectation.mean?.map(|v| v as f32));
         let [x, y, w, h] = case.region(expectation);
         for row in y..y + h {
             let start = (row * case.width + x) as usize;
-            film.pixels[start..start + w as usize].fill(mean);
+            picture.pixels[start..start + w as usize].fill(mean);
         }
     }
-    Some(film)
+    Some(picture)
 }
 
 /// A PNG as a data URI.
-fn uri(picture: &Picture) -> Option<String> {
+fn uri(picture: &Raster) -> Option<String> {
     let bytes = picture.encode_png(&[]).ok()?;
     Some(format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes)))
 }

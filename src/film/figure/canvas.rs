@@ -1,6 +1,6 @@
 //! A white page that shapes and text are drawn on.
 
-use super::{FigureError, Picture, Rect, Rgb, check_size, text};
+use super::{FigureError, Raster, Rect, Rgb, check_size, text};
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform,
 };
@@ -122,7 +122,7 @@ impl Canvas {
     }
 
     /// The finished page, with `inserts` copied onto it pixel by pixel at their left top corners.
-    pub(super) fn finish(self, inserts: &[(u32, u32, &Picture)]) -> Picture {
+    pub(super) fn finish(self, inserts: &[(u32, u32, &Raster)]) -> Raster {
         let (width, height) = (self.pixmap.width(), self.pixmap.height());
         let mut rgb: Vec<u8> =
             self.pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
@@ -137,7 +137,7 @@ impl Canvas {
                 }
             }
         }
-        Picture { width, height, rgb }
+        Raster { width, height, rgb }
     }
 }
 

@@ -4,7 +4,7 @@
 //! white to a blue and a red of the same lightness and chroma. So equal steps of the difference are equal steps for
 //! the eye, on both sides, and a grey print still shows the magnitude.
 
-use super::{FigureError, Picture, Rgb, check_length, check_size, to_byte};
+use super::{FigureError, Raster, Rgb, check_length, check_size, to_byte};
 use crate::film::tonemap::encode_srgb;
 use glam::{Mat3, Vec3, vec3};
 
@@ -32,11 +32,11 @@ pub fn diverging(t: f32) -> Rgb {
 
 /// Signed values in false colour, row by row; ±`full_scale` are the ends of the scale ([`diverging`]). Infinite values
 /// show as the ends, NaN as [`INVALID`], and so does everything if `full_scale` is not positive.
-pub fn signed(width: u32, height: u32, values: &[f32], full_scale: f32) -> Result<Picture, FigureError> {
+pub fn signed(width: u32, height: u32, values: &[f32], full_scale: f32) -> Result<Raster, FigureError> {
     check_length(check_size(width.into(), height.into())?, values.len())?;
     let scale = if full_scale > 0.0 { full_scale } else { f32::NAN };
     let color = |v: &f32| diverging(if v.is_infinite() { *v * scale } else { v / scale });
-    Picture::from_rgb(width, height, values.iter().flat_map(color).collect())
+    Raster::from_rgb(width, height, values.iter().flat_map(color).collect())
 }
 
 /// Luminance of `image` minus that of `reference` (Rec. 709, linear), pixel by pixel.

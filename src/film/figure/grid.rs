@@ -1,8 +1,8 @@
 //! Pictures in rows, one picture out.
 
-use super::{FigureError, Picture, check_size};
+use super::{FigureError, Raster, check_size};
 
-impl Picture {
+impl Raster {
     /// Pictures row by row, side by side from the left, tops aligned; white where there is none.
     pub fn grid(rows: &[Vec<Self>]) -> Result<Self, FigureError> {
         let row_width = |row: &Vec<Self>| row.iter().map(|p| u64::from(p.width)).sum::<u64>();
@@ -32,12 +32,12 @@ mod tests {
     #[test]
     fn pictures_are_where_they_belong() {
         let gray = |width, height, v| {
-            Picture::from_rgb(width, height, vec![v; 3 * (width * height) as usize]).unwrap()
+            Raster::from_rgb(width, height, vec![v; 3 * (width * height) as usize]).unwrap()
         };
-        let grid = Picture::grid(&[vec![gray(2, 2, 1), gray(3, 2, 2)], vec![gray(4, 1, 3)]]).unwrap();
+        let grid = Raster::grid(&[vec![gray(2, 2, 1), gray(3, 2, 2)], vec![gray(4, 1, 3)]]).unwrap();
         assert_eq!((grid.width(), grid.height()), (5, 3));
         let at = |x, y| grid.pixel(x, y).unwrap()[0];
         assert_eq!([at(1, 1), at(2, 0), at(4, 1), at(3, 2), at(4, 2)], [1, 2, 2, 3, 255]);
-        assert!(Picture::grid(&[]).is_err());
+        assert!(Raster::grid(&[]).is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! Figures: line plots ([`Plot`]), contact sheets ([`Sheet`]) and false colours ([`false_color`]), as RGB pictures.
 //!
-//! Pure data in, a [`Picture`] out; the same data gives the same pixels. Shapes are anti-aliased by `tiny-skia`, text
+//! Pure data in, a [`Raster`] out; the same data gives the same pixels. Shapes are anti-aliased by `tiny-skia`, text
 //! is set in DejaVu Sans, which comes with the program, so no font is looked for on the machine.
 
 mod axis;
@@ -101,13 +101,13 @@ impl Rect {
 
 /// A display-encoded (sRGB, 8 bit) picture, row 0 at the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
+pub struct Raster {
     width: u32,
     height: u32,
     rgb: Vec<u8>,
 }
 
-impl Picture {
+impl Raster {
     /// A picture of display-encoded pixels: three bytes each, row by row.
     pub fn from_rgb(width: u32, height: u32, rgb: Vec<u8>) -> Result<Self, FigureError> {
         let pixels = check_size(width.into(), height.into())?;

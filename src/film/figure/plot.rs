@@ -2,7 +2,7 @@
 
 use super::axis::{Mapping, Ticks};
 use super::canvas::{Align, Canvas, Ink, Type};
-use super::{Axis, FigureError, PALETTE, Picture, Point, Rect, Rgb, Series, Style, text};
+use super::{Axis, FigureError, PALETTE, Point, Raster, Rect, Rgb, Series, Style, text};
 
 mod legend;
 
@@ -91,7 +91,7 @@ impl Plot {
     }
 
     /// Draws the plot.
-    pub fn draw(&self) -> Result<Picture, FigureError> {
+    pub fn draw(&self) -> Result<Raster, FigureError> {
         let mut canvas = Canvas::new(self.width, self.height)?;
         let (layout, legend) = self.place_legend()?;
         draw_grid(&mut canvas, &layout);

@@ -2,7 +2,7 @@
 
 use super::axis::superscript;
 use super::canvas::{Align, Canvas, Ink, Type};
-use super::{FigureError, Picture, Rect, Rgb, check_size, false_color, text};
+use super::{FigureError, Raster, Rect, Rgb, check_size, false_color, text};
 
 const BLACK: Rgb = [30; 3];
 const GREY: Rgb = [95; 3];
@@ -41,9 +41,9 @@ pub enum Arrangement {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// The picture; pixels are copied as they are.
-    pub picture: Picture,
+    pub picture: Raster,
     /// A second picture, as [`false_color::signed`] makes it.
-    pub difference: Option<Picture>,
+    pub difference: Option<Raster>,
     /// What it shows.
     pub name: String,
     /// Further lines of text.
@@ -106,7 +106,7 @@ struct Block {
 
 impl Sheet {
     /// Draws the sheet.
-    pub fn draw(&self) -> Result<Picture, FigureError> {
+    pub fn draw(&self) -> Result<Raster, FigureError> {
         let layout = self.layout()?;
         let mut canvas = Canvas::new(layout.width, layout.height)?;
         draw_lines(&mut canvas, MARGIN, layout.title.top, TITLE, &layout.title.lines);
@@ -173,7 +173,7 @@ impl Sheet {
         let height = u64::from(y - if y > MARGIN { BLOCK_GAP } else { 0 }) + u64::from(MARGIN);
         check_size(width.into(), height)?;
 
-        let place = |cell: &Rect, at: [u32; 2], room: [u32; 2], picture: &Picture| Rect {
+        let place = |cell: &Rect, at: [u32; 2], room: [u32; 2], picture: &Raster| Rect {
             x: cell.x + at[0] + (room[0] - picture.width) / 2,
             y: cell.y + at[1] + (room[1] - picture.height) / 2,
             width: picture.width,
@@ -201,7 +201,7 @@ impl Sheet {
     }
 
     /// The largest width and height of some pictures.
-    fn largest<'a>(&'a self, of: impl Fn(&'a Cell) -> Option<&'a Picture>) -> [u32; 2] {
+    fn largest<'a>(&'a self, of: impl Fn(&'a Cell) -> Option<&'a Raster>) -> [u32; 2] {
         let sizes = self.cells.iter().filter_map(of).map(|p| [p.width, p.height]);
         sizes.fold([0, 0], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
@@ -266,7 +266,7 @@ fn bar_place(y: u32, content: u32) -> Rect {
 }
 
 /// Draws label, frame and numbers of the scale, and gives its colours.
-fn draw_bar(canvas: &mut Canvas, bar: &ColorBar, place: Rect) -> Result<Picture, FigureError> {
+fn draw_bar(canvas: &mut Canvas, bar: &ColorBar, place: Rect) -> Result<Raster, FigureError> {
     let [x, width] = [place.x as f32, place.width as f32];
     let dark = Type { color: BLACK, ..BODY };
     canvas.border(place, BORDER);
@@ -292,7 +292,7 @@ fn draw_bar(canvas: &mut Canvas, bar: &ColorBar, place: Rect) -> Result<Picture,
     }
     let along = |i: u32| false_color::diverging(2.0 * (i as f32 + 0.5) / width - 1.0);
     let row: Vec<u8> = (0..place.width).flat_map(along).collect();
-    Picture::from_rgb(place.width, place.height, row.repeat(place.height as usize))
+    Raster::from_rgb(place.width, place.height, row.repeat(place.height as usize))
 }
 
 /// A signed number with two digits.

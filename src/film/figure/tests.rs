@@ -4,7 +4,7 @@ fn white(p: Option<Rgb>) -> bool {
     p == Some([255; 3])
 }
 
-fn colored(picture: &Picture, color: Rgb) -> Vec<(u32, u32)> {
+fn colored(picture: &Raster, color: Rgb) -> Vec<(u32, u32)> {
     let near = |p: Rgb| p.iter().zip(color).all(|(a, b)| a.abs_diff(b) < 24);
     let all = (0..picture.height()).flat_map(|y| (0..picture.width()).map(move |x| (x, y)));
     all.filter(|&(x, y)| picture.pixel(x, y).is_some_and(near)).collect()
@@ -125,8 +125,8 @@ fn odd_data_do_not_panic() {
     }
 }
 
-fn gray(width: u32, height: u32, value: u8) -> Picture {
-    Picture::from_rgb(width, height, vec![value; 3 * (width * height) as usize]).unwrap()
+fn gray(width: u32, height: u32, value: u8) -> Raster {
+    Raster::from_rgb(width, height, vec![value; 3 * (width * height) as usize]).unwrap()
 }
 
 fn sheet(n: usize, arrangement: Arrangement) -> Sheet {
@@ -216,10 +216,10 @@ fn odd_sheets_do_not_panic() {
 
 #[test]
 fn pictures_are_checked_encoded_and_written_whole() {
-    assert_eq!(Picture::from_rgb(2, 2, vec![0; 9]), Err(FigureError::Length { expected: 12, found: 9 }));
-    assert!(Picture::from_rgb(0, 2, vec![]).is_err());
+    assert_eq!(Raster::from_rgb(2, 2, vec![0; 9]), Err(FigureError::Length { expected: 12, found: 9 }));
+    assert!(Raster::from_rgb(0, 2, vec![]).is_err());
     let linear = [Vec3::ZERO, Vec3::splat(0.5), Vec3::new(f32::NAN, f32::INFINITY, -1.0)];
-    let picture = Picture::from_linear(3, 1, &linear, |p| p).unwrap();
+    let picture = Raster::from_linear(3, 1, &linear, |p| p).unwrap();
     assert_eq!(picture.rgb(), [0, 0, 0, 188, 188, 188, 0, 255, 0]);
 
     let folder = tempfile::tempdir().unwrap();

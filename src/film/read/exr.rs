@@ -1,6 +1,6 @@
 //! Reading OpenEXR pictures: which channels are the picture, where the data window lies, and what colours its numbers are.
 
-use super::super::Film;
+use super::super::Picture;
 use super::blocks::Part;
 use super::primaries::{Primaries, REC_709};
 use super::{ReadError, check_size};
@@ -22,7 +22,7 @@ const MOST_LISTED: usize = 24;
 
 /// The channels of a picture: R, G, B, or RY, Y, BY.
 #[derive(Clone, Debug)]
-struct Picture {
+struct Candidate {
     part: usize,
     /// The smaller, the likelier.
     rank: u32,
@@ -40,7 +40,7 @@ pub(super) fn shown(name: &Text) -> String {
 }
 
 /// Reads a picture whose data and display windows have at most `most` pixels each.
-pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Film, ReadError> {
+pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Picture, ReadError> {
     let mut rest = bytes;
     // The crate's own validation refuses channels with fewer samples than pixels, so what is needed is checked here.
     let parse = || MetaData::read_from_buffered(&mut rest, false).map_err(|e| e.to_string());
@@ -70,8 +70,8 @@ pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Film, ReadError> {
 
 /// The likeliest picture of all parts and layers: plain channels, then layers that are called as pictures are, then the
 /// only layer with colour.
-fn choose(headers: &[Header]) -> Result<Picture, ReadError> {
-    let mut pictures: Vec<Picture> = Vec::new();
+fn choose(headers: &[Header]) -> Result<Candidate, ReadError> {
+    let mut pictures: Vec<Candidate> = Vec::new();
     for (part, header) in headers.iter().enumerate() {
         pictures.extend(pictures_of(part, header, headers.len() > 1));
     }
@@ -93,7 +93,7 @@ fn choose(headers: &[Header]) -> Result<Picture, ReadError> {
 const UNKNOWN: u32 = 6;
 
 /// The pictures of a part, layer by layer; of `several` parts the name counts.
-fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
+fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Candidate> {
     const ROLES: [&[&str]; 7] =
         [&["R", "red"], &["G", "green"], &["B", "blue"], &["RY"], &["Y"], &["BY"], &["X"]];
     let mut layers: Vec<(String, [Option<usize>; 7])> = Vec::new();
@@ -142,7 +142,7 @@ fn pictures_of(part: usize, header: &Header, several: bool) -> Vec<Picture> {
             (true, false, _) => 4 + u32::from(is_luminance),
             (false, false, _) => UNKNOWN + u32::from(is_luminance),
         };
-        Some(Picture { part, rank, is_luminance, channels })
+        Some(Candidate { part, rank, is_luminance, channels })
     };
     layers.into_iter().filter_map(picture).collect()
 }
@@ -161,7 +161,7 @@ fn listed(headers: &[Header]) -> String {
 }
 
 /// Makes colours of luminance and chroma, and Rec. 709 of other primaries.
-fn to_rec_709(header: &Header, picture: &Picture, pixels: &mut [Vec3]) {
+fn to_rec_709(header: &Header, picture: &Candidate, pixels: &mut [Vec3]) {
     let point = |Vec2(x, y): Vec2<f32>| [f64::from(x), f64::from(y)];
     let primaries = header.shared_attributes.chromaticities.map_or(REC_709, |c| Primaries {
         red: point(c.red),
@@ -229,7 +229,7 @@ fn spread_chroma(pixels: &mut [Vec3], width: usize, Vec2(step_x, step_y): Vec2<u
 }
 
 /// Puts the data window where it lies in the display window; what it leaves open is black.
-fn place(header: &Header, pixels: Vec<Vec3>) -> Result<Film, ReadError> {
+fn place(header: &Header, pixels: Vec<Vec3>) -> Result<Picture, ReadError> {
     let window = header.shared_attributes.display_window;
     let (data, display) = (header.layer_size, window.size);
     let Vec2(x, y) = header.own_attributes.layer_position;
@@ -237,7 +237,7 @@ fn place(header: &Header, pixels: Vec<Vec3>) -> Result<Film, ReadError> {
         (i64::from(x) - i64::from(window.position.x()), i64::from(y) - i64::from(window.position.y()));
     let (width, height) = (display.width() as u32, display.height() as u32);
     if (dx, dy) == (0, 0) && data == display {
-        return Ok(Film { width, height, pixels, ..Film::default() });
+        return Ok(Picture { width, height, pixels, ..Picture::default() });
     }
     // Where the data begin, in both windows, and how many columns or rows the windows share.
     let shared = |offset: i64, data: usize, display: usize| {
@@ -258,7 +258,7 @@ fn place(header: &Header, pixels: Vec<Vec3>) -> Result<Film, ReadError> {
         let from = &pixels[(from_y + row) * data.width() + from_x..][..columns];
         placed[(to_y + row) * display.width() + to_x..][..columns].copy_from_slice(from);
     }
-    Ok(Film { width, height, pixels: placed, ..Film::default() })
+    Ok(Picture { width, height, pixels: placed, ..Picture::default() })
 }
 
 #[cfg(test)]

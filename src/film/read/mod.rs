@@ -5,7 +5,7 @@ mod exr;
 mod primaries;
 mod radiance;
 
-use super::Film;
+use super::Picture;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -59,7 +59,7 @@ fn check_size(width: usize, height: usize, most: usize) -> Result<(), ReadError>
 ///
 /// # Errors
 /// Where the file cannot be read, is broken, has more pixels than `most`, or has no colour.
-pub fn read_exr(path: &Path, most: usize) -> Result<Film, ReadError> {
+pub fn read_exr(path: &Path, most: usize) -> Result<Picture, ReadError> {
     exr::decode(&read_bytes(path)?, most)
 }
 
@@ -67,12 +67,12 @@ pub fn read_exr(path: &Path, most: usize) -> Result<Film, ReadError> {
 ///
 /// Of an OpenEXR file, `R`, `G` and `B` of any sample type: plain ones, or those of the layer that is called `Combined` or
 /// what else pictures are called, or of the only layer that has them; else `Y`, with `RY` and `BY` where they are there. Alpha
-/// is left out. The film is the display window; what the data window leaves open is black. Neither window may have more than
+/// is left out. The picture is the display window; what the data window leaves open is black. Neither window may have more than
 /// `most` pixels, which is looked at before any is decoded. Colours of other primaries are converted to Rec. 709.
 ///
 /// # Errors
 /// Where the bytes are broken or of neither kind, have more pixels than `most`, or no colour.
-pub fn decode(bytes: &[u8], most: usize) -> Result<Film, ReadError> {
+pub fn decode(bytes: &[u8], most: usize) -> Result<Picture, ReadError> {
     if bytes.starts_with(b"#?") {
         return radiance::decode(bytes, most);
     }
@@ -108,10 +108,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let pixels = (0..6).map(|i| Rgb::new(i as f32, 0.5 * i as f32, 0.25)).collect();
-        let film = Film { width: 3, height: 2, pixels, ..Film::default() };
-        write(&path, &film, &WriteOptions::default()).unwrap();
+        let picture = Picture { width: 3, height: 2, pixels, ..Picture::default() };
+        write(&path, &picture, &WriteOptions::default()).unwrap();
         let found = read_exr(&path, 6).unwrap();
-        assert_eq!((found.width, found.height, found.pixels), (3, 2, film.pixels));
+        assert_eq!((found.width, found.height, found.pixels), (3, 2, picture.pixels));
         assert!(matches!(read_exr(&path, 5), Err(ReadError::TooLarge { width: 3, height: 2, most: 5 })));
     }
 

@@ -6,7 +6,7 @@
 //! or XYZE. `EXPOSURE` and `COLORCORR` have been multiplied into the pixels and are divided out again; `PRIMARIES` other than
 //! those of Rec. 709 are converted.
 
-use super::super::Film;
+use super::super::Picture;
 use super::ReadError;
 use super::primaries::{Primaries, xyz_to_rec_709};
 use glam::{DMat3, DVec3};
@@ -58,7 +58,7 @@ fn broken(message: impl Into<String>) -> ReadError {
 }
 
 /// Reads a picture of at most `most` pixels.
-pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Film, ReadError> {
+pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Picture, ReadError> {
     let mut rest = bytes;
     let header = header(&mut rest, most)?;
     let layout = header.layout;
@@ -84,7 +84,7 @@ pub(super) fn decode(bytes: &[u8], most: usize) -> Result<Film, ReadError> {
             pixels.push(color.as_vec3());
         }
     }
-    Ok(Film { width: layout.width as u32, height: layout.height as u32, pixels, ..Film::default() })
+    Ok(Picture { width: layout.width as u32, height: layout.height as u32, pixels, ..Picture::default() })
 }
 
 /// Takes the next line, without its end.

@@ -63,7 +63,7 @@ impl Raw<'_> {
         bytes
     }
 
-    fn film(&self) -> Result<Film, ReadError> {
+    fn picture(&self) -> Result<Picture, ReadError> {
         decode(&self.bytes(), 1000)
     }
 }
@@ -81,9 +81,9 @@ fn plain<'a>(channels: &'a [(&'a str, i32)]) -> Raw<'a> {
 /// The channels whose values the pixels are, told by what [`plain`] gives them.
 fn chosen(names: &[&str]) -> Result<[usize; 3], String> {
     let channels: Vec<(&str, i32)> = names.iter().map(|name| (*name, 1)).collect();
-    let film = plain(&channels).film().map_err(|e| e.to_string())?;
-    assert_eq!(film.pixels[1], film.pixels[0] + 1.0);
-    Ok(film.pixels[0].to_array().map(|c| c as usize / 10))
+    let picture = plain(&channels).picture().map_err(|e| e.to_string())?;
+    assert_eq!(picture.pixels[1], picture.pixels[0] + 1.0);
+    Ok(picture.pixels[0].to_array().map(|c| c as usize / 10))
 }
 
 #[test]
@@ -127,20 +127,20 @@ fn the_data_window_lies_in_the_display_window() {
     let channels = [("B", 1), ("G", 1), ("R", 1)];
     let raw =
         |data, display| Raw { data, display, value: |_, x, y| (100 + 10 * y + x) as f32, ..plain(&channels) };
-    let film = raw([-1, 2, 4, 2], [-2, 1, 8, 4]).film().unwrap();
-    assert_eq!((film.width, film.height), (8, 4));
-    for (i, pixel) in film.pixels.iter().enumerate() {
+    let picture = raw([-1, 2, 4, 2], [-2, 1, 8, 4]).picture().unwrap();
+    assert_eq!((picture.width, picture.height), (8, 4));
+    for (i, pixel) in picture.pixels.iter().enumerate() {
         let (x, y) = (i as i32 % 8 - 2, i as i32 / 8 + 1);
         let inside = (-1..3).contains(&x) && (2..4).contains(&y);
         let expected = if inside { (100 + 10 * y + x) as f32 } else { 0.0 };
         assert_eq!(*pixel, Vec3::splat(expected), "{x} {y}");
     }
     // What hangs over is cut off.
-    let film = raw([-3, -3, 9, 9], [1, 1, 2, 1]).film().unwrap();
-    assert_eq!(film.pixels, [Vec3::splat(111.0), Vec3::splat(112.0)]);
-    let error = raw([0, 0, 2, 2], [5, 0, 2, 2]).film().unwrap_err().to_string();
+    let picture = raw([-3, -3, 9, 9], [1, 1, 2, 1]).picture().unwrap();
+    assert_eq!(picture.pixels, [Vec3::splat(111.0), Vec3::splat(112.0)]);
+    let error = raw([0, 0, 2, 2], [5, 0, 2, 2]).picture().unwrap_err().to_string();
     assert!(error.contains("outside of its display window"), "{error}");
-    let large = raw([0, 0, 2, 2], [0, 0, 1 << 20, 1 << 20]).film();
+    let large = raw([0, 0, 2, 2], [0, 0, 1 << 20, 1 << 20]).picture();
     assert!(matches!(large, Err(ReadError::TooLarge { .. })), "{large:?}");
 }
 
@@ -154,22 +154,23 @@ fn luminance_and_chroma_become_colours() {
     };
     for sampling in [1, 2, 4] {
         let channels = [("BY", sampling), ("RY", sampling), ("Y", 1)];
-        let film =
-            Raw { data: [4, -8, 8, 4], display: [4, -8, 8, 4], value, ..plain(&channels) }.film().unwrap();
-        assert_eq!(film.pixels.len(), 32);
-        for pixel in &film.pixels {
+        let picture =
+            Raw { data: [4, -8, 8, 4], display: [4, -8, 8, 4], value, ..plain(&channels) }.picture().unwrap();
+        assert_eq!(picture.pixels.len(), 32);
+        for pixel in &picture.pixels {
             assert!((*pixel - Vec3::new(1.0, 0.5, 0.25)).abs().max_element() < 1e-4, "{pixel}");
         }
     }
     // Chroma that rises along both axes is linear between its samples and constant beyond the last.
     let channels = [("BY", 2), ("RY", 2), ("Y", 1)];
     let value = |channel: usize, x: i32, y: i32| [0.0, (x + y) as f32, 1.0][channel];
-    let film = Raw { data: [0, 0, 4, 4], display: [0, 0, 4, 4], value, ..plain(&channels) }.film().unwrap();
-    for (i, pixel) in film.pixels.iter().enumerate() {
+    let picture =
+        Raw { data: [0, 0, 4, 4], display: [0, 0, 4, 4], value, ..plain(&channels) }.picture().unwrap();
+    for (i, pixel) in picture.pixels.iter().enumerate() {
         let expected = (i % 4).min(2) + (i / 4).min(2);
         assert!((pixel.x - 1.0 - expected as f32).abs() < 1e-5, "{i}: {pixel}");
     }
-    let uneven = Raw { data: [0, 0, 3, 4], display: [0, 0, 3, 4], ..plain(&channels) }.film().unwrap_err();
+    let uneven = Raw { data: [0, 0, 3, 4], display: [0, 0, 3, 4], ..plain(&channels) }.picture().unwrap_err();
     assert!(uneven.to_string().contains("channel BY"), "{uneven}");
 }
 
@@ -180,14 +181,14 @@ fn other_primaries_are_converted() {
     let value: Vec<u8> = rec_2020.iter().flat_map(|v| v.to_le_bytes()).collect();
     let more = attribute("chromaticities", "chromaticities", &value);
     let red = |channel, _, _| if channel == 2 { 1.0 } else { 0.0 };
-    let film = Raw { more: more.clone(), value: red, ..plain(&channels) }.film().unwrap();
-    assert!((film.pixels[0] - Vec3::new(1.6605, 0.0, 0.0)).length() < 1e-3, "{}", film.pixels[0]);
-    let film = Raw { more: more.clone(), value: |_, _, _| 3.0, ..plain(&channels) }.film().unwrap();
-    assert!((film.pixels[0] - 3.0).length() < 1e-3, "{}", film.pixels[0]);
+    let picture = Raw { more: more.clone(), value: red, ..plain(&channels) }.picture().unwrap();
+    assert!((picture.pixels[0] - Vec3::new(1.6605, 0.0, 0.0)).length() < 1e-3, "{}", picture.pixels[0]);
+    let picture = Raw { more: more.clone(), value: |_, _, _| 3.0, ..plain(&channels) }.picture().unwrap();
+    assert!((picture.pixels[0] - 3.0).length() < 1e-3, "{}", picture.pixels[0]);
     // Infinite red of these primaries leaves nothing of green and blue in Rec. 709.
     let infinite = |channel, _, _| if channel == 2 { f32::INFINITY } else { 1.0 };
-    let film = Raw { more, value: infinite, ..plain(&channels) }.film().unwrap();
-    assert_eq!(film.pixels[0], Vec3::new(f32::INFINITY, 0.0, 0.0));
+    let picture = Raw { more, value: infinite, ..plain(&channels) }.picture().unwrap();
+    assert_eq!(picture.pixels[0], Vec3::new(f32::INFINITY, 0.0, 0.0));
 }
 
 /// A picture of that size in blocks of some kind, at an odd place.
@@ -242,7 +243,7 @@ fn every_compression_is_read() {
         for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(16, 40))] {
             for float in [false, true] {
                 let (bytes, expected) = encoded(compression, blocks, float, (37, 67));
-                let film =
+                let picture =
                     decode(&bytes, 37 * 67).unwrap_or_else(|e| panic!("{compression:?} {blocks:?}: {e}"));
                 // Lossless: what was written. PXR24 keeps 24 bits of a float, 15 of them of the mantissa; the others are made
                 // for less than a per cent of smooth pictures, and this one has steps.
@@ -253,7 +254,7 @@ fn every_compression_is_read() {
                 } else {
                     0.0
                 };
-                for (found, expected) in film.pixels.iter().zip(&expected) {
+                for (found, expected) in picture.pixels.iter().zip(&expected) {
                     let error = (*found - *expected).abs().max_element();
                     assert!(error <= tolerance, "{compression:?} {blocks:?}: {found} {expected}");
                 }

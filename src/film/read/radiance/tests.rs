@@ -47,9 +47,9 @@ fn pixels_are_where_the_resolution_says() {
                 stored.extend(pixel(if left { W - 1 - x } else { x }, if up { H - 1 - y } else { y }));
             }
         }
-        let film = decode(&file("FORMAT=32-bit_rle_rgbe\n", resolution, &stored), W * H).unwrap();
-        assert_eq!((film.width as usize, film.height as usize), (W, H));
-        for (i, found) in film.pixels.iter().enumerate() {
+        let picture = decode(&file("FORMAT=32-bit_rle_rgbe\n", resolution, &stored), W * H).unwrap();
+        assert_eq!((picture.width as usize, picture.height as usize), (W, H));
+        for (i, found) in picture.pixels.iter().enumerate() {
             assert_eq!(*found, value(pixel(i % W, i / W)), "{resolution}, pixel {i}");
         }
     }
@@ -70,14 +70,14 @@ fn every_encoding_means_the_same() {
         for signature in ["#?RADIANCE", "#?RGBE"] {
             let bytes = file("", "-Y 1 +X 9", &stored);
             let bytes = [signature.as_bytes(), &bytes[6..]].concat();
-            let film = decode(&bytes, 9).unwrap();
-            assert_eq!(film.pixels, line.map(value));
+            let picture = decode(&bytes, 9).unwrap();
+            assert_eq!(picture.pixels, line.map(value));
         }
     }
     // The second of two runs counts 256 times as much.
     let long = [a, [1, 1, 1, 3], [1, 1, 1, 2]].concat();
-    let film = decode(&file("", "-Y 1 +X 516", &long), 516).unwrap();
-    assert_eq!(film.pixels, vec![value(a); 516]);
+    let picture = decode(&file("", "-Y 1 +X 516", &long), 516).unwrap();
+    assert_eq!(picture.pixels, vec![value(a); 516]);
 }
 
 #[test]
