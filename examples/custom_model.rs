@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut models = Registry::standard();
     models.register(Box::new(Gaussian));
     let mut options = transport::RenderOptions::new(camera);
-    (options.width, options.height, options.subsurface) = (160, 120, "gaussian".into());
+    (options.view.width, options.view.height, options.settings.subsurface) = (160, 120, "gaussian".into());
     let rendered = transport::render_with(&Scene::build(scene)?, &options, &(), &models)?;
     film::write(Path::new(&output), &rendered.picture, &film::WriteOptions::default())?;
     Ok(())

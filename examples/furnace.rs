@@ -161,13 +161,12 @@ fn measure(scene: &SceneDescription, material: MaterialDescription) -> Extremes 
         clip: nephrite::scene::Clip::NONE,
         lens: None,
     };
-    let options = RenderOptions {
-        width: PIXELS,
-        height: PIXELS,
-        spp: SPP,
-        max_depth: MAX_DEPTH,
-        ..RenderOptions::new(camera)
-    };
+    let options = RenderOptions::new(camera).with(|o| {
+        o.view.width = PIXELS;
+        o.view.height = PIXELS;
+        o.samples.count = SPP;
+        o.settings.max_depth = MAX_DEPTH;
+    });
     let pixels = Scene::build(scene).ok().and_then(|s| render(&s, &options, &()).ok());
     let pixels = pixels.map(|r| r.picture.pixels).unwrap_or_default();
     let n = pixels.len() as f64;

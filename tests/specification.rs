@@ -292,7 +292,12 @@ fn picture(document: &Value, source: &str) -> Picture {
         .unwrap_or_else(|error| panic!("{source}: {error}"));
     let camera = loaded.scene.cameras.first().unwrap_or_else(|| panic!("{source} has no camera")).clone();
     let scene = Scene::build(loaded.scene).unwrap_or_else(|error| panic!("{source}: {error}"));
-    let options = RenderOptions { width: 32, height: 24, spp: 16, seed: 1, ..RenderOptions::new(camera) };
+    let options = RenderOptions::new(camera).with(|o| {
+        o.view.width = 32;
+        o.view.height = 24;
+        o.samples.count = 16;
+        o.settings.seed = 1;
+    });
     transport::render(&scene, &options, &()).unwrap_or_else(|error| panic!("{source}: {error}")).picture
 }
 

@@ -87,14 +87,13 @@ fn picture(scene: SceneDescription) {
     let [min, max] = scene.bounds().unwrap_or_default();
     let camera = scene.cameras.first().cloned().unwrap_or_else(|| auto_camera(min, max, 1.0));
     let Ok(scene) = Scene::build(scene) else { return };
-    let options = RenderOptions {
-        width: 2,
-        height: 2,
-        spp: 1,
-        threads: 1,
-        max_depth: 64,
-        ..RenderOptions::new(camera)
-    };
+    let options = RenderOptions::new(camera).with(|o| {
+        o.view.width = 2;
+        o.view.height = 2;
+        o.samples.count = 1;
+        o.threads = 1;
+        o.settings.max_depth = 64;
+    });
     let rendered = render(&scene, &options, &()).expect("the options are sound");
     sound::check_film(&rendered.picture);
 }

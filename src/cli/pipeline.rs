@@ -22,7 +22,9 @@ pub(super) use crate::optics::Microfacet;
 pub(super) use crate::optics::diffusion::Cosines;
 pub(super) use crate::scene::Scene;
 pub(super) use crate::subsurface::Registry;
-pub(super) use crate::transport::{RenderControl, RenderOptions, RenderStats, Rendered, Shutter};
+pub(super) use crate::transport::{
+    RenderControl, RenderOptions, RenderStats, Rendered, SampleRange, Settings, Shutter, View,
+};
 
 /// Names of the subsurface models.
 pub(super) fn subsurface_models() -> Vec<String> {

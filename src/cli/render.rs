@@ -30,7 +30,7 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let size = Size { asked: job.args.size, longest_side: LONGEST_SIDE };
     let mut prepared = Prepared::new(args, size, &job.args.blur, &job.paths(), &reporter, &progress)?;
     let mut options = prepared.options(args, job.args.spp, job.args.model());
-    options.transparent = job.args.transparent_background;
+    options.view.transparent = job.args.transparent_background;
     say_what_cannot_be_seen(&job, &prepared, &options, &reporter);
     let models = pipeline::models(args.brdf_cosines);
     let recorded = prepared.record(args);
@@ -46,7 +46,7 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     let (rendered, work) = Work::of(|| prepared.render(args, &options, &models, &showing));
     progress.clear();
     let rendered = rendered?;
-    let interrupted = rendered.spp < options.spp;
+    let interrupted = rendered.spp < options.samples.count;
     if rendered.spp == 0 {
         reporter.warning("interrupted before every pixel had a sample; nothing is written");
         return Err(Failure::Interrupted);
@@ -75,14 +75,14 @@ pub(super) fn run(args: RenderArgs) -> Result<(), Failure> {
     if interrupted && !written.is_empty() {
         reporter.warning(format!(
             "interrupted: the pictures have {} of {} samples a pixel",
-            rendered.spp, options.spp
+            rendered.spp, options.samples.count
         ));
     } else if !written.is_empty() {
         reporter.note(format!(
             "wrote {} ({} × {}, {} a pixel, {:.1} s)",
             written.join(", "),
-            options.width,
-            options.height,
+            options.view.width,
+            options.view.height,
             count(rendered.spp, "sample", "samples"),
             measured.work.seconds
         ));
@@ -98,14 +98,17 @@ fn say_what_cannot_be_seen(
     options: &RenderOptions,
     reporter: &Reporter,
 ) {
-    if options.ground.is_some() && !options.transparent && prepared.scene.lights.environment().is_none() {
+    if options.view.ground.is_some()
+        && !options.view.transparent
+        && prepared.scene.lights.environment().is_none()
+    {
         reporter.note(
             "the shadow of --ground shadow cannot be seen: there is no environment behind it \
              (choose one with --env, or --transparent-background)",
         );
     }
     let without_alpha = job.outputs.iter().find(|(_, f)| !matches!(f, Format::Exr | Format::Png));
-    if options.transparent
+    if options.view.transparent
         && let Some((path, _)) = without_alpha
     {
         reporter.note(format!("{}: the format has no alpha; the background is black", path.display()));
@@ -150,8 +153,8 @@ fn attributes(
 ) -> Vec<(String, String)> {
     let args = &job.args.scene;
     let mut recorded = recorded.clone();
-    recorded["subsurface"] = json!(options.subsurface);
-    if options.transparent {
+    recorded["subsurface"] = json!(options.settings.subsurface);
+    if options.view.transparent {
         recorded["transparent_background"] = json!(true);
     }
     if !format.is_linear() {
@@ -162,7 +165,7 @@ fn attributes(
         ("scene", file_name(&args.load.input)),
         ("options", recorded.to_string()),
         ("spp", spp.to_string()),
-        ("seed", options.seed.to_string()),
+        ("seed", options.settings.seed.to_string()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     pairs.map(|(name, value)| (format!("nephrite:{name}"), value)).to_vec()
@@ -190,11 +193,11 @@ impl Measured {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
             "input": job.args.scene.load.input.to_string_lossy(),
-            "width": options.width,
-            "height": options.height,
+            "width": options.view.width,
+            "height": options.view.height,
             "spp": rendered.spp,
-            "spp_requested": options.spp,
-            "seed": options.seed,
+            "spp_requested": options.samples.count,
+            "seed": options.settings.seed,
             "threads": options.thread_count(),
             "load_seconds": prepared.load_seconds,
             "build_seconds": prepared.build_seconds,

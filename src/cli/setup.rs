@@ -7,8 +7,8 @@ use super::job::{check_not_inputs, file_name};
 use super::message::Reporter;
 use super::names;
 use super::pipeline::{
-    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, Rendered, Scene,
-    Shutter,
+    self, Asset, Cosines, Microfacet, Moment, Registry, RenderControl, RenderOptions, Rendered, SampleRange,
+    Scene, Settings, Shutter, View,
 };
 use super::progress::Progress;
 use super::stats::Stopwatch;
@@ -158,20 +158,23 @@ impl Prepared {
     /// What to render with one model.
     pub fn options(&self, args: &SceneArgs, spp: u32, subsurface: &str) -> RenderOptions {
         RenderOptions {
-            width: self.width,
-            height: self.height,
-            spp,
-            first_sample: 0,
-            seed: args.seed,
+            view: View {
+                width: self.width,
+                height: self.height,
+                camera: self.camera.clone(),
+                ground: self.ground,
+                transparent: false,
+            },
+            settings: Settings {
+                subsurface: subsurface.to_owned(),
+                seed: args.seed,
+                max_depth: args.max_depth,
+                microfacet: args.microfacet,
+                aim: !args.no_aim,
+                texture_filter: if args.no_texture_filter { 0.0 } else { args.texture_filter },
+            },
+            samples: SampleRange { first: 0, count: spp },
             threads: args.threads.unwrap_or(0),
-            camera: self.camera.clone(),
-            subsurface: subsurface.to_owned(),
-            max_depth: args.max_depth,
-            microfacet: args.microfacet,
-            aim: !args.no_aim,
-            texture_filter: if args.no_texture_filter { 0.0 } else { args.texture_filter },
-            ground: self.ground,
-            transparent: false,
         }
     }
 

@@ -82,16 +82,15 @@ impl Own {
             asset::load(&job.case.asset(), &LoadOptions::default()).map_err(|e| e.to_string())?.scene;
         let camera = loaded.cameras.first().cloned().ok_or("the asset has no camera")?;
         let scene = Scene::build(loaded).map_err(|e| e.to_string())?;
-        let options = RenderOptions {
-            width: job.case.width,
-            height: job.case.height,
-            spp: job.spp,
-            seed: job.seed,
-            threads: self.threads,
-            subsurface: self.subsurface.clone(),
-            microfacet: self.microfacet,
-            ..RenderOptions::new(camera)
-        };
+        let options = RenderOptions::new(camera).with(|o| {
+            o.view.width = job.case.width;
+            o.view.height = job.case.height;
+            o.samples.count = job.spp;
+            o.settings.seed = job.seed;
+            o.threads = self.threads;
+            o.settings.subsurface = self.subsurface.clone();
+            o.settings.microfacet = self.microfacet;
+        });
         let rendered = render(&scene, &options, control).map_err(|e| e.to_string())?;
         if rendered.spp < job.spp {
             return Err("interrupted".to_owned());

@@ -1,24 +1,30 @@
-//! Finished images: a [`Picture`] of linear radiance, tone mapping, and the files it is written to.
+//! Images: a [`Film`] that samples are added to, the [`Picture`] of linear radiance that it is developed to, tone mapping,
+//! and the files that both are written to.
 //!
-//! This room knows nothing but images. The tracer hands over a finished [`Picture`]; [`write()`] puts it into a file
-//! whose format follows from the extension ([`Format`]), complete or not at all.
+//! This room knows nothing but images. The tracer exposes a film; [`write()`] puts a picture into a file whose format
+//! follows from the extension ([`Format`]), complete or not at all.
 //!
 //! Linear formats (`.exr`, `.hdr`) hold radiance as it is; display formats (`.png`, `.jpg`) hold
 //! exposure → [`ToneMap`] → sRGB encoding.
 
 pub mod atomic;
 pub mod compare;
+pub mod composite;
 mod display;
 mod exr;
 pub mod figure;
 mod format;
 mod hdr;
+mod raw;
 mod read;
+mod store;
 pub mod tonemap;
 mod write;
 
 pub use format::{Format, UnknownFormat};
+pub use raw::{Averaging, Film, FilmLayer, MergeError, Window};
 pub use read::{ReadError, decode, read_bytes, read_exr};
+pub use store::LoadError;
 pub use tonemap::ToneMap;
 pub use write::{WriteError, WriteOptions, WriteReport, write};
 

@@ -208,6 +208,24 @@ impl Scene {
         self.description.materials.get(index as usize).unwrap_or(&self.default_material)
     }
 
+    /// Whether the bodies of another scene are the same, wherever they are: the same media in meshes of the same extent,
+    /// scale and materials, each with or without others in it.
+    pub fn has_same_bodies(&self, other: &Self) -> bool {
+        let same = |i: usize| {
+            let [a, b] = [self, other].map(|scene| {
+                let instance = i as u32;
+                let geometry = scene.geometry.mesh_of(instance);
+                let object = &scene.objects[i];
+                let shape = (geometry.bounds().extent(), scene.geometry.transform(instance).scale);
+                (shape, object.intruders.is_empty(), &scene.mesh(instance).triangle_materials)
+            });
+            a == b
+        };
+        self.objects.len() == other.objects.len()
+            && self.media == other.media
+            && (0..self.objects.len()).all(same)
+    }
+
     /// The medium below the surface of a material.
     pub fn medium(&self, material: u32) -> Option<&Medium> {
         self.media.get(material as usize).and_then(Option::as_ref)

@@ -58,6 +58,7 @@ use crate::sampling::Sampler;
 use crate::scene::{MediumDescription, Object, Scene, Surface};
 use crate::transport::Enclosure;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Whether somebody asked to stop. A walk may take minutes; one that sees this ends anywhere, and what it brings home is
 /// thrown away.
@@ -306,13 +307,14 @@ pub trait SubsurfaceModel: Send + Sync {
     fn closed_form(&self, _: &Coefficients) -> Option<Box<dyn RadialProfile>> {
         None
     }
-    /// Tables for the media of a scene.
+    /// Tables for the media of a scene. They are kept for other scenes with the same bodies
+    /// ([`Scene::has_same_bodies`]), so they must not depend on where these are.
     fn prepare(&self, scene: &Scene) -> Box<dyn Propagator>;
 }
 
 /// The models a program offers.
 pub struct Registry {
-    models: Vec<Box<dyn SubsurfaceModel>>,
+    models: Vec<Arc<dyn SubsurfaceModel>>,
 }
 
 impl Registry {
@@ -320,19 +322,19 @@ impl Registry {
     pub fn standard() -> Self {
         Self {
             models: vec![
-                Box::new(RandomWalk),
-                Box::new(AcceleratedWalk),
-                Box::new(Dipole { single: true }),
-                Box::new(Dipole { single: false }),
-                Box::new(SingleScattering),
-                Box::new(BetterDipole),
-                Box::new(DirectionalDipole),
-                Box::new(PhotonBeamDiffusion),
-                Box::new(NormalizedDiffusion { fit: ScaleFit::DiffuseMfp }),
-                Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightMfp }),
-                Box::new(NormalizedDiffusion { fit: ScaleFit::SearchlightDmfp }),
-                Box::new(BrdfApproximation { cosines: Cosines::Refracted }),
-                Box::new(LightBiased { cosines: Cosines::Refracted }),
+                Arc::new(RandomWalk),
+                Arc::new(AcceleratedWalk),
+                Arc::new(Dipole { single: true }),
+                Arc::new(Dipole { single: false }),
+                Arc::new(SingleScattering),
+                Arc::new(BetterDipole),
+                Arc::new(DirectionalDipole),
+                Arc::new(PhotonBeamDiffusion),
+                Arc::new(NormalizedDiffusion { fit: ScaleFit::DiffuseMfp }),
+                Arc::new(NormalizedDiffusion { fit: ScaleFit::SearchlightMfp }),
+                Arc::new(NormalizedDiffusion { fit: ScaleFit::SearchlightDmfp }),
+                Arc::new(BrdfApproximation { cosines: Cosines::Refracted }),
+                Arc::new(LightBiased { cosines: Cosines::Refracted }),
             ],
         }
     }
@@ -340,12 +342,12 @@ impl Registry {
     /// Adds a model; one of the same name is replaced.
     pub fn register(&mut self, model: Box<dyn SubsurfaceModel>) {
         self.models.retain(|m| m.name() != model.name());
-        self.models.push(model);
+        self.models.push(model.into());
     }
 
     /// The model of that name.
-    pub fn get(&self, name: &str) -> Option<&dyn SubsurfaceModel> {
-        self.models.iter().find(|m| m.name() == name).map(AsRef::as_ref)
+    pub fn get(&self, name: &str) -> Option<Arc<dyn SubsurfaceModel>> {
+        self.models.iter().find(|m| m.name() == name).cloned()
     }
 
     /// All models, in the order of registration.

@@ -19,8 +19,8 @@ impl PathTracer<'_> {
             // The path came out without crossing the boundary; bring radiance back to vacuum.
             let closed = self.scene.objects.get(e.instance as usize).is_some_and(|object| object.closed);
             self.count(|c| {
-                c.leaks += 1;
-                c.lost += u64::from(closed);
+                c.leaked_paths += 1;
+                c.lost_paths += u64::from(closed);
             });
             scale = medium.ior * medium.ior;
         }

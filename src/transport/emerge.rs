@@ -210,7 +210,7 @@ impl Connector for FlightLights<'_, '_> {
         tracer.find_interface(&mut interface, &self.stack, std::slice::from_ref(&surface), &incoming);
         let Some(contrast) = interface.contrast.as_ref().filter(|c| !c.entering) else { return };
         let shading = Shading::new(tracer.scene, &surface);
-        let bsdf = shading.bsdf(contrast.eta, true, tracer.options.microfacet);
+        let bsdf = shading.bsdf(contrast.eta, true, tracer.settings.microfacet);
         if !matches!(bsdf, Bsdf::Boundary(_)) {
             return;
         }

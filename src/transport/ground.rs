@@ -16,8 +16,8 @@
 //! Nothing but the camera sees the plane: objects look as they do without it, in mirrors and in glass as well.
 
 use super::path::PathTracer;
-use super::pixel::Caught;
 use super::state::{Path, Vertex};
+use crate::film::composite::Caught;
 use crate::geometry::{gamma, offset_origin};
 use crate::light::Anchor;
 use crate::sampling::{Sampler, warp};
@@ -39,7 +39,7 @@ impl PathTracer<'_> {
         arrival: &Arrival,
         reach: f32,
     ) -> Option<f32> {
-        let height = origin.y - self.options.ground?;
+        let height = origin.y - self.view.ground?;
         let t = height / -direction.y;
         let nearest = match arrival {
             Arrival::Surface(hit) => hit.t,
@@ -100,7 +100,7 @@ impl PathTracer<'_> {
             self.follow(&mut reflected, &mut with, sampler);
         }
         if !(with.is_finite() && without.is_finite()) {
-            self.count(|c| c.invalid += 1);
+            self.count(|c| c.invalid_samples += 1);
             (with, without) = (Vec3::ZERO, Vec3::ZERO);
         }
         Caught { behind, with, without }

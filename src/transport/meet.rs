@@ -110,7 +110,7 @@ impl PathTracer<'_> {
         }
         path.direct_view = false;
         path.events += 1;
-        if path.events > self.options.max_depth {
+        if path.events > self.settings.max_depth {
             return false;
         }
         let shading = Shading::new(self.scene, &surface);
@@ -122,7 +122,7 @@ impl PathTracer<'_> {
             }
             None => shading.normal,
         };
-        let mut bsdf = shading.bsdf(eta, enclosure.is_some(), self.options.microfacet);
+        let mut bsdf = shading.bsdf(eta, enclosure.is_some(), self.settings.microfacet);
         if let Bsdf::Layered(layered) = &mut bsdf {
             layered.place(&Shaded::frame_of(&surface, wo, normal, front, see_through));
         }

@@ -5,6 +5,7 @@
 //! every pixel sums its samples in order, whatever the number of threads.
 
 mod chance;
+mod control;
 mod direct;
 mod dispersion;
 mod emerge;
@@ -13,11 +14,13 @@ mod interface;
 mod leave;
 mod media;
 mod meet;
+mod options;
 mod path;
 mod pixel;
 mod place;
 mod render;
 pub mod searchlight;
+mod session;
 mod shading_normal;
 mod shadow;
 mod shutter;
@@ -28,6 +31,9 @@ mod terminator;
 mod threads;
 mod weight;
 
+pub use control::{RenderControl, RenderError, RenderStats};
 pub use media::{Enclosure, MediumStack};
-pub use render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render, render_with};
+pub use options::{RenderOptions, SampleRange, Settings, View};
+pub use render::{Rendered, render, render_with};
+pub use session::{Plan, Session};
 pub use shutter::{Shutter, Slice, render_shutter};

@@ -1,12 +1,14 @@
 //! One path: from the camera through surfaces and media until it finds no more light.
 
+use super::control::RenderStats;
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
 use super::media::MediumStack;
-use super::pixel::{Caught, PixelSample};
-use super::render::RenderOptions;
-use super::state::{Counters, Path, Vertex};
+use super::options::{Settings, View};
+use super::pixel::PixelSample;
+use super::state::{Path, Vertex};
 use super::surroundings::Surroundings;
+use crate::film::composite::Caught;
 use crate::geometry::Ray;
 use crate::optics::boundary::MATCHED_INDEX;
 use crate::optics::{Bsdf, Medium};
@@ -26,12 +28,13 @@ const MOST_PASSES: u32 = 1 << 20;
 /// Follows paths through a scene; one for each thread.
 pub(super) struct PathTracer<'a> {
     pub scene: &'a Scene,
-    pub options: &'a RenderOptions,
+    pub view: &'a View,
+    pub settings: &'a Settings,
     pub model: &'a dyn Propagator,
     pub camera: &'a Camera,
     /// The media around the camera.
     pub surroundings: &'a Surroundings,
-    pub counters: Cell<Counters>,
+    pub counters: Cell<RenderStats>,
     pub stop: Stop<'a>,
 }
 
@@ -40,7 +43,7 @@ impl PathTracer<'_> {
         self.count(|c| c.rays += 1);
     }
 
-    pub(super) fn count(&self, f: impl FnOnce(&mut Counters)) {
+    pub(super) fn count(&self, f: impl FnOnce(&mut RenderStats)) {
         let mut c = self.counters.get();
         f(&mut c);
         self.counters.set(c);
@@ -55,7 +58,7 @@ impl PathTracer<'_> {
         };
         let mut sample = self.trace(ray, sampler);
         if !sample.radiance.is_finite() {
-            self.count(|c| c.invalid += 1);
+            self.count(|c| c.invalid_samples += 1);
             sample.radiance = Vec3::ZERO;
         }
         sample
@@ -80,7 +83,7 @@ impl PathTracer<'_> {
             total_reflections: 0,
             wavelength: None,
             direct_view: true,
-            footprint: self.camera.footprint(&ray, self.options.texture_filter),
+            footprint: self.camera.footprint(&ray, self.settings.texture_filter),
         };
         let mut radiance = Vec3::ZERO;
         let caught = self.follow(&mut path, &mut radiance, sampler);
@@ -123,7 +126,7 @@ impl PathTracer<'_> {
                 Arrival::Surface(hit) => self.meet_surface(&hit, path, radiance, sampler),
                 Arrival::Exit(exit) => self.leave_below(*exit, path, radiance, sampler),
                 Arrival::Escaped => {
-                    if !(path.direct_view && self.options.transparent) {
+                    if !(path.direct_view && self.view.transparent) {
                         *radiance += self.environment(path);
                     }
                     return None;
@@ -135,14 +138,14 @@ impl PathTracer<'_> {
                 return None;
             }
         }
-        self.count(|c| c.truncated += 1);
+        self.count(|c| c.truncated_paths += 1);
         None
     }
 
     /// Counts a path that has ended if it was for an event too many.
     fn count_cut(&self, path: &Path) {
-        if path.events > self.options.max_depth {
-            self.count(|c| c.truncated += 1);
+        if path.events > self.settings.max_depth {
+            self.count(|c| c.truncated_paths += 1);
         }
     }
 
@@ -204,7 +207,7 @@ impl PathTracer<'_> {
         }
         let object = &self.scene.objects[enclosure.instance as usize];
         // An event more than there may be ends the path: the flight after the last one is to arrive.
-        let budget = self.options.max_depth.saturating_sub(path.events).saturating_add(1);
+        let budget = self.settings.max_depth.saturating_sub(path.events).saturating_add(1);
         let connection = self.connection(path, object, medium);
         let eta = medium.ior / self.ior_of(path.stack.below());
         let stop = self.stop;
@@ -224,7 +227,7 @@ impl PathTracer<'_> {
         let events = path.head.events;
         self.count(|c| {
             c.rays += 1;
-            c.events += u64::from(events);
+            c.scattering_events += u64::from(events);
         });
         path.direct_view &= events == 0;
         if events > 0 {
@@ -240,7 +243,7 @@ impl PathTracer<'_> {
     fn connection(&self, path: &Path, object: &Object, medium: &Medium) -> Connection {
         if object.lit_inside || (medium.ior - 1.0).abs() < MATCHED_INDEX {
             Connection::Straight
-        } else if object.aimable && path.stack.len() == 1 && self.options.aim {
+        } else if object.aimable && path.stack.len() == 1 && self.settings.aim {
             Connection::Boundary
         } else {
             Connection::None

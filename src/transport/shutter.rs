@@ -9,11 +9,14 @@
 //! Strata are visited in an order that spreads over the time (van der Corput), so that what is finished when somebody
 //! cancels is blurred evenly.
 
-use super::render::{RenderControl, RenderError, RenderOptions, RenderStats, Rendered, render_with};
-use crate::film::Picture;
+use super::control::{RenderControl, RenderError};
+use super::options::{RenderOptions, View};
+use super::render::{Goal, Rendered, begin, expose};
+use super::session::Session;
 use crate::sampling::rng::hash3;
 use crate::scene::{CameraDescription, Scene};
 use crate::subsurface::Registry;
+use std::sync::Arc;
 
 /// An open shutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +74,8 @@ impl Shutter {
 /// Renders a picture while the shutter is open; `pose` gives the scene and the camera of a moment. When it is
 /// cancelled the moments that are finished are kept, or what there is of the first.
 ///
+/// One session sees all moments: its scene changes, its film goes on.
+///
 /// # Errors
 /// Those of `pose`; unknown models, empty images, no threads.
 pub fn render_shutter<E: From<RenderError>>(
@@ -80,101 +85,46 @@ pub fn render_shutter<E: From<RenderError>>(
     models: &Registry,
     mut pose: impl FnMut(f64) -> Result<(Scene, CameraDescription), E>,
 ) -> Result<Rendered, E> {
-    let mut sum = Sum::default();
-    let mut stats = RenderStats::default();
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    for slice in shutter.slices(options.spp, options.seed) {
-        if sum.samples > 0 && control.cancelled() {
+    let count = options.samples.count;
+    let pixels = u64::from(options.view.width) * u64::from(options.view.height);
+    let mut open: Option<Session<Arc<Scene>>> = None;
+    for slice in shutter.slices(count, options.settings.seed) {
+        if open.is_some() && control.cancelled() {
             break;
         }
         let (scene, camera) = pose(slice.time)?;
-        let part = RenderOptions {
-            camera,
-            spp: slice.samples,
-            first_sample: options.first_sample.wrapping_add(slice.first_sample),
-            ..options.clone()
+        let view = View { camera, ..options.view.clone() };
+        let is_first = open.is_none();
+        let session = match &mut open {
+            Some(session) => {
+                session.set_scene(Arc::new(scene));
+                session.set_view(view)?;
+                session
+            }
+            none => {
+                let options = RenderOptions { view, ..options.clone() };
+                none.insert(begin(Arc::new(scene), &options, models)?)
+            }
         };
         let before = pixels * u64::from(slice.first_sample);
-        let total = pixels * u64::from(options.spp);
-        let watch = Part { control, before, total, is_first: sum.samples == 0 };
-        let rendered = render_with(&scene, &part, &watch, models)?;
-        if rendered.spp < slice.samples {
-            if sum.samples == 0 {
-                return Ok(rendered);
+        let goal = Goal { control, before, total: pixels * u64::from(count), is_first };
+        let finished = session.film().clone();
+        if !expose(session, slice.samples, &goal) {
+            if !is_first {
+                // Part of a moment would weigh more than the others.
+                session.resume(finished).map_err(RenderError::from)?;
             }
             break;
         }
-        stats += rendered.stats;
-        sum.add(&rendered.picture, slice.samples);
-        if sum.samples < options.spp {
-            control.between_passes(&|| Rendered { spp: sum.samples, picture: sum.mean(), stats });
+        if slice.first_sample + slice.samples < count {
+            control.between_passes(&|| Rendered::of(session));
         }
     }
-    Ok(Rendered { spp: sum.samples, picture: sum.mean(), stats })
-}
-
-/// Progress of one slice as a part of the whole.
-struct Part<'a> {
-    control: &'a dyn RenderControl,
-    before: u64,
-    total: u64,
-    /// Whether its passes are all that there is.
-    is_first: bool,
-}
-
-impl RenderControl for Part<'_> {
-    fn advance(&self, samples_done: u64, _: u64) {
-        self.control.advance(self.before + samples_done, self.total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.control.cancelled()
-    }
-
-    fn between_passes(&self, picture: &dyn Fn() -> Rendered) {
-        if self.is_first {
-            self.control.between_passes(picture);
-        }
-    }
-}
-
-/// Films weighted by their samples, summed in double precision.
-#[derive(Default)]
-struct Sum {
-    samples: u32,
-    /// The first film; its numbers are replaced by means.
-    picture: Picture,
-    numbers: Vec<f64>,
-}
-
-impl Sum {
-    fn add(&mut self, picture: &Picture, samples: u32) {
-        if self.samples == 0 {
-            self.picture = picture.clone();
-            self.numbers = vec![0.0; values(&mut self.picture).count()];
-        }
-        let mut picture = picture.clone();
-        for (sum, value) in self.numbers.iter_mut().zip(values(&mut picture)) {
-            *sum += f64::from(*value) * f64::from(samples);
-        }
-        self.samples += samples;
-    }
-
-    fn mean(&self) -> Picture {
-        let samples = f64::from(self.samples.max(1));
-        let mut picture = self.picture.clone();
-        for (value, sum) in values(&mut picture).zip(&self.numbers) {
-            *value = (sum / samples) as f32;
-        }
-        picture
-    }
-}
-
-/// All numbers of a picture, in a fixed order.
-fn values(picture: &mut Picture) -> impl Iterator<Item = &mut f32> {
-    let layers = picture.layers.iter_mut().flat_map(|layer| &mut layer.channels).flat_map(|c| &mut c.values);
-    let pixels = picture.pixels.iter_mut().flat_map(|p| p.as_mut());
-    pixels.chain(picture.alpha.iter_mut().flatten()).chain(layers)
+    let Some(session) = open else {
+        let View { width, height, .. } = options.view;
+        return Err(RenderError::Empty { width, height, spp: count }.into());
+    };
+    Ok(Rendered::of(&session))
 }
 
 #[cfg(test)]

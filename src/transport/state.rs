@@ -39,18 +39,6 @@ impl Vertex {
     }
 }
 
-/// Events that tell of trouble, and work done; sums over all threads.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counters {
-    pub rays: u64,
-    pub events: u64,
-    pub truncated: u64,
-    pub leaks: u64,
-    /// Leaks out of closed objects.
-    pub lost: u64,
-    pub invalid: u64,
-}
-
 /// The state of a path between events.
 #[derive(Clone)]
 pub(super) struct Path {

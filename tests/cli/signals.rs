@@ -120,7 +120,11 @@ fn the_first_pass_is_finished_where_that_takes_little() {
     let loaded = load_bytes(triangle("").into_bytes(), "".as_ref(), &LoadOptions::default()).unwrap();
     let camera = auto_camera(Vec3::NEG_ONE, Vec3::ONE, 1.0);
     let scene = Scene::build(loaded.scene).unwrap();
-    let options = RenderOptions { width: 40, height: 24, spp: 1000, ..RenderOptions::new(camera) };
+    let options = RenderOptions::new(camera).with(|o| {
+        o.view.width = 40;
+        o.view.height = 24;
+        o.samples.count = 1000;
+    });
     let began = Instant::now();
     let rendered = render(&scene, &options, &AtOnce(AtomicBool::new(false))).unwrap();
     assert_eq!(rendered.spp, 1);

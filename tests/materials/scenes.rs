@@ -47,7 +47,7 @@ pub fn square() -> MeshDescription {
 
 /// Options of a picture of the middle of the square from the direction `v`.
 pub fn seen_from(v: DVec3, pixels: u32, spp: u32, microfacet: Microfacet) -> RenderOptions {
-    RenderOptions { microfacet, ..options(ortho(-v.as_vec3(), 10.0, 0.05), pixels, spp) }
+    options(ortho(-v.as_vec3(), 10.0, 0.05), pixels, spp).with(|o| o.settings.microfacet = microfacet)
 }
 
 /// f(v, l) |N·L| of the square: its radiance under a directional light of irradiance 1. There is nothing random in it

@@ -3,7 +3,6 @@
 use crate::lab::*;
 use glam::{Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::RenderOptions;
 
 /// A few mean free paths, so that walks are short.
 const RADIUS: f32 = 0.004;
@@ -35,12 +34,15 @@ fn add_lamp(scene: &mut SceneDescription, center: Vec3, half: f32, radiance: Vec
 /// Compares [`PICTURES`] pictures of `spp` samples with as many of twice the samples that do without aiming.
 fn compare(scene: SceneDescription, spp: u32, what: &str) {
     let scene = Scene::build(scene).expect("builds");
-    let aimed = RenderOptions {
-        aim: true,
-        seed: seed_of(what),
-        ..options(ortho(Vec3::new(-0.3, -0.4, -0.9), 0.1, 0.9 * RADIUS), 24, spp)
-    };
-    let plain = RenderOptions { aim: false, seed: aimed.seed ^ 0xabcd, spp: 2 * spp, ..aimed.clone() };
+    let aimed = options(ortho(Vec3::new(-0.3, -0.4, -0.9), 0.1, 0.9 * RADIUS), 24, spp).with(|o| {
+        o.settings.aim = true;
+        o.settings.seed = seed_of(what);
+    });
+    let plain = aimed.clone().with(|o| {
+        o.settings.aim = false;
+        o.settings.seed = aimed.settings.seed ^ 0xabcd;
+        o.samples.count = 2 * spp;
+    });
     let aimed = measure_pictures(&scene, &aimed, PICTURES);
     let plain = measure_pictures(&scene, &plain, PICTURES);
     for (part, (a, b)) in aimed.iter().zip(&plain).enumerate() {

@@ -159,7 +159,7 @@ fn any_arrangement_of_bodies_without_absorption_is_invisible_in_a_furnace() {
         let direction = Vec3::new(-0.3, -0.4, -1.0);
         let look = |spp, seed| {
             let mut options = options(ortho(direction, 3.0, 0.6), 12, spp);
-            (options.seed, options.max_depth) = (seed, 20_000);
+            (options.settings.seed, options.settings.max_depth) = (seed, 20_000);
             let rendered = render(&scene, &options, &()).expect("renders");
             let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
             (Estimate::of(&pixels), rendered)

@@ -4,7 +4,7 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 fn unlit(color: Vec3) -> MaterialDescription {
     MaterialDescription {
@@ -184,7 +184,7 @@ fn the_ground_ends_at_the_far_plane() {
         ..camera(Projection::Perspective { yfov: 0.4, aspect: None }, 0.01, far)
     };
     let mean = |far| {
-        let options = RenderOptions { ground: Some(0.0), ..options(view(far), 8, 16) };
+        let options = options(view(far), 8, 16).with(|o| o.view.ground = Some(0.0));
         let picture = render(&scene, &options, &()).expect("renders").picture;
         picture.pixels.iter().map(|p| p.x).sum::<f32>() / 64.0
     };

@@ -3,7 +3,6 @@
 use crate::lab::*;
 use glam::{Vec2, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::RenderOptions;
 
 /// A slab, and how walks go in it.
 #[derive(Clone, Copy)]
@@ -86,7 +85,13 @@ impl Slab {
         let scene = Scene::build(scene).expect("builds");
         let camera = ortho(Vec3::Y, 0.5, 0.2 * self.thickness);
         let spp = spp * self.noisy;
-        measure(&scene, &RenderOptions { aim, seed: seed_of(case), ..options(camera, 24, spp) })
+        measure(
+            &scene,
+            &options(camera, 24, spp).with(|o| {
+                o.settings.aim = aim;
+                o.settings.seed = seed_of(case);
+            }),
+        )
     }
 }
 
@@ -134,7 +139,7 @@ fn a_floor_has_its_configuration_factor_at_every_gap() {
             // From between the two; the picture is of a thousandth of the gap around the point.
             let (spp, case) = (256, format!("share {share} of a panel {gap} m above"));
             let camera = ortho(Vec3::new(0.3, -0.5, 0.2), 0.4 * gap, 1e-3 * gap);
-            let found = measure(&scene, &RenderOptions { seed: seed_of(&case), ..options(camera, 24, spp) });
+            let found = measure(&scene, &options(camera, 24, spp).with(|o| o.settings.seed = seed_of(&case)));
             // The rim of the panel that is lacking is as wide as the gap; pictures reach 0.002 gaps to either side.
             found.assert_matches([0.5 * share; 3], [0.5 * share * (1e-3 + f64::from(gap)); 3], &case);
         }

@@ -3,7 +3,7 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 /// A textured medium behind a rough boundary, a homogeneous one, a floor, an environment map and a lamp.
 fn scene() -> Scene {
@@ -41,13 +41,12 @@ fn pictures_do_not_depend_on_threads_and_repeat() {
     let scene = scene();
     let picture = |threads, seed| {
         // Neither a multiple of the tile nor of a pass.
-        let options = RenderOptions {
-            width: 53,
-            height: 37,
-            threads,
-            seed,
-            ..options(ortho(Vec3::new(-0.3, -0.5, -0.8), 0.3, 0.05), 1, 7)
-        };
+        let options = options(ortho(Vec3::new(-0.3, -0.5, -0.8), 0.3, 0.05), 1, 7).with(|o| {
+            o.view.width = 53;
+            o.view.height = 37;
+            o.threads = threads;
+            o.settings.seed = seed;
+        });
         let picture = render(&scene, &options, &()).expect("renders").picture;
         picture.pixels.iter().flat_map(|p| p.to_array()).map(f32::to_bits).collect::<Vec<u32>>()
     };

@@ -46,7 +46,10 @@ fn light(kind: PunctualKind, position: Vec3, intensity: f32) -> PunctualLight {
 
 fn options_of(model: &str, direction: DVec3, pixels: u32, spp: u32) -> RenderOptions {
     let camera = ortho(-direction.as_vec3(), 0.5, 1e-6);
-    RenderOptions { subsurface: model.to_owned(), seed: seed_of(model), ..options(camera, pixels, spp) }
+    options(camera, pixels, spp).with(|o| {
+        o.settings.subsurface = model.to_owned();
+        o.settings.seed = seed_of(model);
+    })
 }
 
 fn transmitted(cos: f64) -> f64 {

@@ -6,7 +6,7 @@ use nephrite::asset::{self, LoadOptions};
 use nephrite::scene::{
     CameraDescription, EnvironmentDescription, MeshDescription, Scene, SceneDescription, auto_camera,
 };
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 use std::path::Path;
 
 /// Scattering that differs between the channels by a factor of ten: weights that gain or lose show as colour.
@@ -34,7 +34,7 @@ fn furnace_seen_from(camera: CameraDescription, scene: SceneDescription, toleran
     let scene = Scene::build(scene).expect("builds");
     let options = options(camera, 32, 16);
     let spp = {
-        let pilot = measure(&scene, &RenderOptions { seed: 99, ..options.clone() });
+        let pilot = measure(&scene, &options.clone().with(|o| o.settings.seed = 99));
         let need = pilot.se.iter().map(|se| (se / (NOISE * tolerance)).powi(2)).fold(0.0, f64::max);
         (need * 1.2 * 16.0 / f64::from(PICTURES)).clamp(4.0, 16384.0) as u32
     };
@@ -42,8 +42,15 @@ fn furnace_seen_from(camera: CameraDescription, scene: SceneDescription, toleran
     let mut truncated = 0;
     let pictures: Vec<Vec<Vec3>> = (0..PICTURES)
         .map(|seed| {
-            let rendered = render(&scene, &RenderOptions { seed: case + seed, spp, ..options.clone() }, &())
-                .expect("renders");
+            let rendered = render(
+                &scene,
+                &options.clone().with(|o| {
+                    o.settings.seed = case + seed;
+                    o.samples.count = spp;
+                }),
+                &(),
+            )
+            .expect("renders");
             assert_eq!(rendered.stats.invalid_samples, 0, "{what}");
             truncated += rendered.stats.truncated_paths;
             rendered.picture.pixels
@@ -213,7 +220,7 @@ fn the_plain_model_loses_energy_as_known() {
     let environment = EnvironmentDescription::Constant(Vec3::ONE);
     let scene = Scene::build(single(icosphere(0.02, 4, false), material, environment)).expect("builds");
     let mut options = options(ortho(Vec3::NEG_Z, 0.2, 0.004), 16, 256);
-    options.microfacet = nephrite::optics::Microfacet::Single;
+    options.settings.microfacet = nephrite::optics::Microfacet::Single;
     let estimate = measure(&scene, &options);
     assert!((0.6..0.8).contains(&estimate.mean[1]), "{:?}", estimate.mean);
 }

@@ -9,7 +9,6 @@
 use crate::lab::*;
 use glam::Vec3;
 use nephrite::scene::{EnvironmentDescription, PunctualKind, PunctualLight, Scene};
-use nephrite::transport::RenderOptions;
 
 /// H of one albedo at the midpoints of an even rule.
 struct H {
@@ -80,7 +79,7 @@ fn half_spaces_shine_as_chandrasekhar_says() {
         let scene = Scene::build(scene).expect("builds");
         let camera = ortho(slanted(seen, 1.0, 0.0), 2.0 * DEPTH, 1.0);
         let case = format!("half space seen at {seen}, lit at {lit}");
-        let options = RenderOptions { seed: seed_of(&case), ..options(camera, 24, 0) };
+        let options = options(camera, 24, 0).with(|o| o.settings.seed = seed_of(&case));
         let (mu, mu0) = (f64::from(seen), f64::from(lit));
         let expected = [0, 1, 2].map(|c| {
             let both = h[c].at(mu) * h[c].at(mu0);

@@ -3,7 +3,6 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::RenderOptions;
 use std::f64::consts::PI;
 
 const RADIUS: f32 = 0.01;
@@ -73,10 +72,8 @@ fn power(scene: SceneDescription, radius: f32, spp: u32, case: &str) -> Estimate
         .iter()
         .enumerate()
         .map(|(i, d)| {
-            let options = RenderOptions {
-                seed: seed_of(case) + 100 * i as u32,
-                ..options(ortho(*d, 0.1, half), 12, spp)
-            };
+            let options = options(ortho(*d, 0.1, half), 12, spp)
+                .with(|o| o.settings.seed = seed_of(case) + 100 * i as u32);
             measure_pictures(&scene, &options, 8)[0]
         })
         .collect();

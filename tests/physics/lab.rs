@@ -194,14 +194,13 @@ pub fn ortho(direction: Vec3, distance: f32, ymag: f32) -> CameraDescription {
 
 /// Options for a small square picture.
 pub fn options(camera: CameraDescription, pixels: u32, spp: u32) -> RenderOptions {
-    RenderOptions {
-        width: pixels,
-        height: pixels,
-        spp,
-        seed: 1,
-        max_depth: 1_000_000,
-        ..RenderOptions::new(camera)
-    }
+    RenderOptions::new(camera).with(|o| {
+        o.view.width = pixels;
+        o.view.height = pixels;
+        o.samples.count = spp;
+        o.settings.seed = 1;
+        o.settings.max_depth = 1_000_000;
+    })
 }
 
 /// A mean with its standard error, for each channel.
@@ -229,22 +228,27 @@ pub fn seed_of(case: &str) -> u32 {
 pub fn measure_to(scene: &Scene, options: &RenderOptions, target: [f64; 3]) -> Estimate {
     const PILOT_SPP: u32 = 64;
     const MAX_SPP: f64 = 65_536.0;
-    let pilot =
-        measure(scene, &RenderOptions { spp: PILOT_SPP, seed: options.seed ^ 0x5eed, ..options.clone() });
+    let pilot = measure(
+        scene,
+        &options.clone().with(|o| {
+            o.samples.count = PILOT_SPP;
+            o.settings.seed = options.settings.seed ^ 0x5eed;
+        }),
+    );
     let need = (0..3).map(|c| (pilot.se[c] / target[c]).powi(2)).fold(0.0, f64::max);
     // The pilot's variance is itself uncertain, by some per cent for 576 pixels.
     let spp = (1.2 * need * f64::from(PILOT_SPP)).clamp(8.0, MAX_SPP) as u32;
-    measure(scene, &RenderOptions { spp, ..options.clone() })
+    measure(scene, &options.clone().with(|o| o.samples.count = spp))
 }
 
 /// Means of independent pictures, for scenes whose pixels differ: of the whole picture, and of its four quarters.
 pub fn measure_pictures(scene: &Scene, options: &RenderOptions, pictures: u32) -> [Estimate; 5] {
     let mut means = [const { Vec::new() }; 5];
     for seed in 0..pictures {
-        let options = RenderOptions { seed: options.seed + seed, ..options.clone() };
+        let options = options.clone().with(|o| o.settings.seed = options.settings.seed + seed);
         let rendered = render(scene, &options, &()).expect("renders");
         assert_eq!(rendered.stats.invalid_samples, 0);
-        let (w, h) = (options.width as usize, options.height as usize);
+        let (w, h) = (options.view.width as usize, options.view.height as usize);
         let mut sums = [[0.0; 3]; 5];
         for (i, p) in rendered.picture.pixels.iter().enumerate() {
             let quarter = 1 + usize::from(i % w >= w / 2) + 2 * usize::from(i / w >= h / 2);

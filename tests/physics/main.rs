@@ -25,6 +25,7 @@ mod models;
 mod places;
 mod searchlight;
 mod seen_color;
+mod session;
 mod slabs;
 mod smooth_glass;
 mod spheres;

@@ -3,7 +3,7 @@
 use crate::lab::*;
 use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 const SIGMA_A: Vec3 = Vec3::new(5.0, 20.0, 40.0);
 const SIGMA_S: Vec3 = Vec3::new(200.0, 150.0, 80.0);
@@ -16,7 +16,7 @@ pub fn view() -> CameraDescription {
 fn assert_same_pictures(a: SceneDescription, b: SceneDescription, spp: u32, what: &str) {
     let [a, b] = [a, b].map(|s| Scene::build(s).expect("builds"));
     let (mut first, mut second) = (options(view(), 32, spp), options(view(), 32, spp));
-    (first.seed, second.seed) = (100, 200);
+    (first.settings.seed, second.settings.seed) = (100, 200);
     let first = measure_pictures(&a, &first, 24);
     let second = measure_pictures(&b, &second, 24);
     for (part, (a, b)) in first.iter().zip(&second).enumerate() {
@@ -335,7 +335,8 @@ fn depth_counts_scatterings() {
         let slab = cuboid(Vec3::new(1000.0, TAU as f32, 1000.0));
         let sky = EnvironmentDescription::Constant(Vec3::ONE);
         let scene = Scene::build(single(slab, material, sky)).expect("builds");
-        let options = RenderOptions { max_depth, ..options(ortho(Vec3::NEG_Y, 5.0, 1.0), 24, 1024) };
+        let options =
+            options(ortho(Vec3::NEG_Y, 5.0, 1.0), 24, 1024).with(|o| o.settings.max_depth = max_depth);
         let rendered = render(&scene, &options, &()).expect("renders");
         let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();
         let case = format!("index {index}, {max_depth} events");

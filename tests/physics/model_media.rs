@@ -4,7 +4,7 @@ use crate::lab::*;
 use crate::media::view;
 use glam::{Affine3A, Vec3};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 const MODELS: [&str; 9] = [
     "dipole",
@@ -33,7 +33,7 @@ fn models_work_inside_of_denser_media() {
     scene.instances.push(place(1, Affine3A::IDENTITY));
     let scene = Scene::build(scene).expect("builds");
     for model in MODELS {
-        let options = RenderOptions { subsurface: model.into(), ..options(view(), 24, 32) };
+        let options = options(view(), 24, 32).with(|o| o.settings.subsurface = model.into());
         let rendered = render(&scene, &options, &()).expect("renders");
         assert_eq!(rendered.stats.invalid_samples, 0, "{model}");
     }
@@ -63,7 +63,7 @@ fn models_let_no_light_in_through_opaque_parts() {
     let scene = Scene::build(scene).expect("builds");
     let above = ortho(Vec3::NEG_Y, 0.2, 0.012);
     for model in MODELS {
-        let options = RenderOptions { subsurface: model.into(), ..options(above.clone(), 16, 32) };
+        let options = options(above.clone(), 16, 32).with(|o| o.settings.subsurface = model.into());
         let picture = render(&scene, &options, &()).expect("renders").picture;
         assert!(picture.pixels.iter().all(|p| *p == Vec3::ZERO), "{model}: light came in");
     }
@@ -81,7 +81,7 @@ fn boundaries_inside_of_the_same_mesh_are_no_exits() {
     let white = || EnvironmentDescription::Constant(Vec3::ONE);
     let mean = |mesh: &MeshDescription, model: &str| {
         let scene = Scene::build(single(mesh.clone(), material(), white())).expect("builds");
-        let options = RenderOptions { subsurface: model.into(), ..options(view(), 48, 64) };
+        let options = options(view(), 48, 64).with(|o| o.settings.subsurface = model.into());
         measure(&scene, &options).mean[1]
     };
     for model in ["better-dipole", "normalized-diffusion"] {

@@ -39,7 +39,10 @@ fn radial_models() -> [Radial; 6] {
 }
 
 fn options_of(model: &str, camera: CameraDescription, pixels: u32, spp: u32) -> RenderOptions {
-    RenderOptions { subsurface: model.to_owned(), seed: seed_of(model), ..options(camera, pixels, spp) }
+    options(camera, pixels, spp).with(|o| {
+        o.settings.subsurface = model.to_owned();
+        o.settings.seed = seed_of(model);
+    })
 }
 
 /// Uniform light on a block that is a half space for the profile: radiance F + (1 − F) R, less what a lobe that is not

@@ -3,7 +3,7 @@
 use crate::lab::*;
 use glam::{Affine3A, Quat, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 /// A square of half the size `h` around the origin that faces +z.
 pub fn quad(h: f32) -> MeshDescription {
@@ -65,7 +65,7 @@ fn looks(description: SceneDescription, transform: &Affine3A, degrees: f32) -> V
     let away = transform.transform_vector3(local).normalize();
     let mut camera = ortho(-away, 2.0 * across, 0.02 * across);
     camera.transform.translation += glam::Vec3A::from(target);
-    let options = RenderOptions { max_depth: 100, ..options(camera, 8, 16) };
+    let options = options(camera, 8, 16).with(|o| o.settings.max_depth = 100);
     render(&scene, &options, &()).expect("renders").picture.pixels
 }
 
@@ -352,7 +352,7 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     let scene = Scene::build(description).unwrap();
     let camera = ortho(Vec3::new(0.1, 0.2, -1.0), 2.0, 0.02);
     let rendered =
-        render(&scene, &RenderOptions { max_depth: 1, ..options(camera, 4, 4) }, &()).expect("renders");
+        render(&scene, &options(camera, 4, 4).with(|o| o.settings.max_depth = 1), &()).expect("renders");
     assert!(rendered.picture.pixels.iter().all(|p| (*p - 1.0).abs().max_element() < 1e-5));
     assert_eq!(rendered.stats.truncated_paths, 0);
 
@@ -362,7 +362,8 @@ fn depth_counts_what_turns_light_and_not_what_it_passes() {
     let scene = Scene::build(scene).unwrap();
     let seen = |max_depth: u32| {
         let camera = ortho(Vec3::NEG_Z, 2.0, 0.2);
-        render(&scene, &RenderOptions { max_depth, ..options(camera, 8, 64) }, &()).expect("renders")
+        render(&scene, &options(camera, 8, 64).with(|o| o.settings.max_depth = max_depth), &())
+            .expect("renders")
     };
     let (one, two) = (seen(1), seen(2));
     // 4 % are reflected at each face: 4096 samples, standard error 0.003. Of 3932 ± 12.5 the walks are cut off that follow

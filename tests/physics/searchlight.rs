@@ -12,7 +12,7 @@ fn searchlight(coefficients: Coefficients, edges: Vec<f64>, paths: u64) -> Searc
 
 fn measured(model: &str, light: &Searchlight) -> Result<Histogram, SearchlightError> {
     let models = Registry::standard();
-    measure(models.get(model).expect("is registered"), light, &())
+    measure(&*models.get(model).expect("is registered"), light, &())
 }
 
 /// |z| < 4 where there is enough to tell.

@@ -11,7 +11,6 @@ use nephrite::optics::seen_color::shares_of_seen_color;
 use nephrite::scene::{
     ColorSpace, ImageData, ImagePixels, Minify, Scene, TextureDescription, TextureRef, Wrap,
 };
-use nephrite::transport::RenderOptions;
 use std::sync::Arc;
 
 /// Extinction, 1/m.
@@ -47,7 +46,7 @@ fn check(g: f64, n: f64, colors: [f64; 3], relative_error: f64) {
 fn shows(scene: &Scene, n: f64, colors: [f64; 3], relative_error: f64, case: &str) {
     let mirror = ((n - 1.0) / (n + 1.0)).powi(2);
     let camera = ortho(Vec3::NEG_Y, 0.01, 0.005);
-    let options = RenderOptions { seed: seed_of(case), ..options(camera, 24, 0) };
+    let options = options(camera, 24, 0).with(|o| o.settings.seed = seed_of(case));
     let target = colors.map(|color| relative_error * color * (1.0 - mirror));
     let found = measure_to(scene, &options, target);
     for (i, color) in colors.into_iter().enumerate() {

@@ -9,7 +9,6 @@
 use crate::lab::*;
 use glam::Vec3;
 use nephrite::scene::Scene;
-use nephrite::transport::RenderOptions;
 
 struct Slab {
     tau: f32,
@@ -147,7 +146,7 @@ fn check(group: &Group, thickness: f32, cosines: &[f32], what: &str) {
             let camera = ortho(direction, 2.0 * thickness, 0.01 * half.min(thickness));
             let side = if above { "R" } else { "T" };
             let case = format!("{what} g {} n {} {side} at cosine {cosine}", group.g, group.n);
-            let options = RenderOptions { seed: seed_of(&case), ..options(camera, 24, 0) };
+            let options = options(camera, 24, 0).with(|o| o.settings.seed = seed_of(&case));
             let estimate = measure_to(&scene, &options, expected.map(|e| 0.0045 * e));
             estimate.assert_matches(expected, [1e-6; 3], &case);
         }
@@ -175,11 +174,10 @@ fn the_accelerated_walk_is_off_by_less_than_it_says() {
         let (scene, half) = scene(group, group.n.max(1.0001), 0.01);
         let camera = ortho(Vec3::NEG_Y, 0.02, 0.01 * half.min(0.01));
         let case = format!("accelerated, g {} n {}", group.g, group.n);
-        let options = RenderOptions {
-            subsurface: "accelerated-walk".to_owned(),
-            seed: seed_of(&case),
-            ..options(camera, 24, 0)
-        };
+        let options = options(camera, 24, 0).with(|o| {
+            o.settings.subsurface = "accelerated-walk".to_owned();
+            o.settings.seed = seed_of(&case);
+        });
         let expected = [0, 1, 2].map(|c| group.channels[c].normal.0);
         let estimate = measure_to(&scene, &options, expected.map(|e| ACCELERATED_ERROR * e));
         for (c, expected) in expected.into_iter().enumerate() {

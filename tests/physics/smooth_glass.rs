@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec2, Vec3};
 use nephrite::scene::{
     EnvironmentDescription, MaterialDescription, MeshDescription, Scene, SceneDescription,
 };
-use nephrite::transport::{RenderOptions, RenderStats, render};
+use nephrite::transport::{RenderStats, render};
 use std::f32::consts::{PI, TAU};
 
 /// Rays of a smooth-shaded body for one of the same body with flat shading.
@@ -156,7 +156,7 @@ fn sight(scene: &SceneDescription) -> nephrite::scene::CameraDescription {
 
 /// What a body shows in an environment of radiance 1, and what it takes.
 fn look(scene: SceneDescription, spp: u32) -> (Estimate, RenderStats) {
-    let options = RenderOptions { max_depth: HELD, ..options(sight(&scene), SIDE, spp) };
+    let options = options(sight(&scene), SIDE, spp).with(|o| o.settings.max_depth = HELD);
     let scene = Scene::build(scene).expect("builds");
     let rendered = render(&scene, &options, &()).expect("renders");
     let pixels: Vec<_> = rendered.picture.pixels.iter().map(|p| p.as_dvec3().to_array()).collect();

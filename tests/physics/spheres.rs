@@ -7,7 +7,7 @@
 use crate::lab::*;
 use glam::Vec3;
 use nephrite::scene::{EnvironmentDescription, Scene};
-use nephrite::transport::{RenderOptions, render};
+use nephrite::transport::render;
 
 struct Sphere {
     optical_radius: f32,
@@ -79,7 +79,7 @@ fn spheres_return_the_light_they_should() {
         let camera = ortho(Vec3::new(0.3, -0.5, -0.8), 0.1, radius);
         let disk = std::f64::consts::PI / 4.0;
         let case = format!("sphere g {} n {}", group.g, group.n);
-        let options = RenderOptions { seed: seed_of(&case), ..options(camera, 96, 16) };
+        let options = options(camera, 96, 16).with(|o| o.settings.seed = seed_of(&case));
         let estimate = measure_pictures(&scene, &options, 16)[0];
         let expected = [0, 1, 2].map(|c| 1.0 - disk + disk * group.channels[c].reflected);
         let se = [0, 1, 2].map(|c| disk * group.channels[c].se);
@@ -105,8 +105,10 @@ fn the_middle_of_a_ball_is_as_bright_as_what_gets_out_of_it() {
     let events = |model: &str, allowed: f64, spp: u32| {
         let camera = ortho(Vec3::new(0.3, -0.5, -0.8), 0.1, 0.1);
         let case = format!("middle of a ball, {model}");
-        let options =
-            RenderOptions { subsurface: model.to_owned(), seed: seed_of(&case), ..options(camera, 24, spp) };
+        let options = options(camera, 24, spp).with(|o| {
+            o.settings.subsurface = model.to_owned();
+            o.settings.seed = seed_of(&case);
+        });
         let rendered = render(&scene, &options, &()).expect("renders");
         let (pixels, stats) = (rendered.picture.pixels, rendered.stats);
         assert_eq!((stats.truncated_paths, stats.invalid_samples), (0, 0), "{case}");

@@ -7,7 +7,6 @@
 use crate::lab::*;
 use glam::{Affine3A, DVec3, Vec3};
 use nephrite::scene::Scene;
-use nephrite::transport::RenderOptions;
 use std::f64::consts::TAU;
 
 /// SplitMix64.
@@ -182,7 +181,7 @@ fn check(scene: &Scene, cosine: f32, expected: [[(f64, f64); 3]; 2], error: f64,
     for (side, expected) in expected.into_iter().enumerate() {
         let direction = Vec3::new(sine, if side == 0 { -cosine } else { cosine }, 0.0);
         let case = format!("{what}, {}", ["reflected", "transmitted"][side]);
-        let options = RenderOptions { seed: seed_of(&case), ..options(ortho(direction, 50.0, 0.05), 24, 0) };
+        let options = options(ortho(direction, 50.0, 0.05), 24, 0).with(|o| o.settings.seed = seed_of(&case));
         let estimate = measure_to(scene, &options, expected.map(|e| 0.004 * e.0));
         for (c, (value, se)) in expected.into_iter().enumerate() {
             let se = se.hypot(estimate.se[c]);

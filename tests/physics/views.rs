@@ -38,12 +38,12 @@ fn the_shadow_of_a_black_square_is_its_configuration_factor() {
     description.instances[0] = place(0, Affine3A::from_translation(Vec3::Y));
     let scene = Scene::build(description).expect("builds");
     let camera = ortho(Vec3::new(1.0, -0.3, 0.0), 0.3, 1e-4);
-    let shadow = RenderOptions { ground: Some(0.0), ..options(camera, 24, 64) };
+    let shadow = options(camera, 24, 64).with(|o| o.view.ground = Some(0.0));
     let kept = 1.0 - hidden(0.5);
     let expected = [0.7, 0.35, 1.4].map(|c| f64::from(c * kept));
     measure(&scene, &shadow).assert_matches(expected, [1e-5; 3], "shadow");
 
-    let clear = RenderOptions { transparent: true, ..shadow };
+    let clear = shadow.with(|o| o.view.transparent = true);
     let picture = render(&scene, &clear, &()).expect("renders").picture;
     assert!(picture.pixels.iter().all(|p| *p == Vec3::ZERO), "a shadow is black");
     let alpha: Vec<[f64; 3]> = picture.alpha.expect("alpha").iter().map(|&a| [f64::from(a); 3]).collect();
@@ -71,10 +71,10 @@ fn nothing_in_the_way_leaves_the_background_as_it_is() {
     });
     let scene = Scene::build(description).expect("builds");
     let camera = ortho(Vec3::new(1.0, -1.0, 0.0), 3.0, 2.0);
-    let plain = RenderOptions { ground: Some(0.0), ..options(camera, 8, 2) };
+    let plain = options(camera, 8, 2).with(|o| o.view.ground = Some(0.0));
     let picture = render(&scene, &plain, &()).expect("renders").picture;
     assert!(picture.pixels.iter().all(|p| (*p - 0.6).abs().max_element() < 1e-6), "{:?}", picture.pixels);
-    let clear = RenderOptions { transparent: true, ..plain };
+    let clear = plain.with(|o| o.view.transparent = true);
     let alpha = render(&scene, &clear, &()).expect("renders").picture.alpha.expect("alpha");
     assert!(alpha.iter().all(|a| a.abs() < 1e-6));
 }
@@ -94,7 +94,7 @@ fn alpha_is_coverage_and_colours_are_premultiplied() {
         lens: None,
     };
     // Three columns: covered, half covered, open.
-    let clear = RenderOptions { transparent: true, ..options(camera, 3, 1024) };
+    let clear = options(camera, 3, 1024).with(|o| o.view.transparent = true);
     let picture = render(&scene, &clear, &()).expect("renders").picture;
     let alpha = picture.alpha.expect("alpha");
     for row in 0..3 {
@@ -132,7 +132,7 @@ fn orthographic_rays_start_inside_or_beside_an_object() {
 }
 
 /// An unlit square of black and white texels, seen by 16² pixels that are `texels` texels wide.
-fn checkers(texels: u32, minify: Minify) -> SceneDescription {
+pub fn checkers(texels: u32, minify: Minify) -> SceneDescription {
     let n = 16 * texels;
     let mut scene = single(square(1.0), two_sided(matte(1.0)), EnvironmentDescription::default());
     let values: Vec<Vec3> = (0..n * n).map(|i| Vec3::splat(((i % n + i / n) % 2) as f32)).collect();
@@ -145,7 +145,7 @@ fn checkers(texels: u32, minify: Minify) -> SceneDescription {
 }
 
 /// Straight down on the square.
-fn above() -> CameraDescription {
+pub fn above() -> CameraDescription {
     CameraDescription {
         name: String::new(),
         transform: Affine3A::from_rotation_x(-0.5 * PI) * Affine3A::from_translation(Vec3::Z),
@@ -161,7 +161,7 @@ fn small_textures_are_averaged_over_a_part_of_the_pixel() {
     // 37 × 37 texels a pixel, an eighth of its width: nearly 5 × 5 of them.
     let noise = |minify, texture_filter| {
         let scene = Scene::build(checkers(37, minify)).expect("builds");
-        let options = RenderOptions { texture_filter, ..options(camera(), 16, 16) };
+        let options = options(camera(), 16, 16).with(|o| o.settings.texture_filter = texture_filter);
         let estimate = measure(&scene, &options);
         println!("{minify:?} {texture_filter}: {} ± {}", estimate.mean[0], estimate.se[0]);
         (estimate.mean[0] - 0.5, 16.0 * estimate.se[0])
@@ -179,7 +179,7 @@ fn small_textures_are_averaged_over_a_part_of_the_pixel() {
     // Texels larger than the part are looked up as they are: pictures are equal.
     let scene = Scene::build(checkers(1, Minify::Footprint)).expect("builds");
     let picture = |texture_filter| {
-        let options = RenderOptions { texture_filter, ..options(camera(), 16, 4) };
+        let options = options(camera(), 16, 4).with(|o| o.settings.texture_filter = texture_filter);
         render(&scene, &options, &()).expect("renders").picture.pixels
     };
     assert_eq!(picture(Footprint::DEFAULT_FILTER), picture(0.0));
@@ -192,8 +192,11 @@ fn parts_of_a_picture_add_up_to_it_with_textures_and_an_open_shutter() {
     let scene = || Scene::build(checkers(9, Minify::Footprint)).expect("builds");
     let whole = options(above(), 16, 16);
     let picture = |options: &RenderOptions| render(&scene(), options, &()).expect("renders").picture.pixels;
-    let first = picture(&RenderOptions { spp: 3, ..whole.clone() });
-    let second = picture(&RenderOptions { spp: 13, first_sample: 3, ..whole.clone() });
+    let first = picture(&whole.clone().with(|o| o.samples.count = 3));
+    let second = picture(&whole.clone().with(|o| {
+        o.samples.count = 13;
+        o.samples.first = 3;
+    }));
     let shutter = Shutter { open: 0.0, close: 1.0, slices: 5 };
     let pose = |_| Ok::<_, RenderError>((scene(), above()));
     let exposed = render_shutter(&shutter, &whole, &(), &Registry::standard(), pose).expect("renders");

@@ -4,7 +4,6 @@ use crate::lab::*;
 use crate::places::{quad, scene_of, slab, smoke, transforms};
 use glam::{Affine3A, Vec3, Vec4};
 use nephrite::scene::*;
-use nephrite::transport::RenderOptions;
 
 fn floor(material: MaterialDescription) -> (MeshDescription, MaterialDescription) {
     let mut floor = quad(2.0);
@@ -30,7 +29,7 @@ fn seen(
     let away = transform.transform_vector3(Vec3::new(0.2, 0.1, 1.0)).normalize();
     let mut camera = ortho(-away, 4.0 * across, 0.02 * across);
     camera.transform.translation += glam::Vec3A::from(target);
-    let options = RenderOptions { max_depth: 100, ..options(camera, 16, spp) };
+    let options = options(camera, 16, spp).with(|o| o.settings.max_depth = 100);
     measure(&Scene::build(description).unwrap(), &options)
 }
 

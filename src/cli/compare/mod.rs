@@ -251,7 +251,7 @@ impl<'a> Bench<'a> {
         let mut pictures = Vec::new();
         let (rendered, work) = Work::of(|| {
             for half in 0..2 {
-                options.seed = seed_of(as_seed, half, args.scene.seed);
+                options.settings.seed = seed_of(as_seed, half, args.scene.seed);
                 let part = progress.part(label, *done, self.total);
                 let rendered = prepared.render(&args.scene, &options, models, &part)?;
                 if rendered.spp < spp {
@@ -269,7 +269,7 @@ impl<'a> Bench<'a> {
         }
         let (Some(b), Some(a)) = (pictures.pop(), pictures.pop()) else { return Ok(None) };
         let halves = Halves::new(a, b).map_err(Failure::cannot)?;
-        let summary = models.get(name).map_or("", |model| model.summary()).to_owned();
+        let summary = models.get(name).map_or(String::new(), |model| model.summary().to_owned());
         let entry = Entry { name: name.to_owned(), summary, picture: halves.mean(), work };
         Ok(Some((entry, halves)))
     }

@@ -130,13 +130,12 @@ fn render(
         environment: studio(),
         ..Default::default()
     })?;
-    let options = RenderOptions {
-        width: args.side,
-        height: args.side,
-        spp: args.spp,
-        threads: args.threads.unwrap_or(0),
-        ..RenderOptions::new(camera(radius))
-    };
+    let options = RenderOptions::new(camera(radius)).with(|o| {
+        o.view.width = args.side;
+        o.view.height = args.side;
+        o.samples.count = args.spp;
+        o.threads = args.threads.unwrap_or(0);
+    });
     let rendered = pipeline::render(&scene, &options, models, control)?;
     let pixels: Vec<Vec3> = rendered.picture.pixels.clone();
     Raster::from_linear(args.side, args.side, &pixels, |p| ToneMap::default().apply(p))

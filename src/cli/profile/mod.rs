@@ -145,7 +145,7 @@ impl Bench<'_> {
         let edges = edges(c);
         let get =
             |name: &str| self.models.get(name).ok_or_else(|| Failure::cannot(format!("no model {name}")));
-        let walk = match self.measure(get(REFERENCE)?, c, &edges) {
+        let walk = match self.measure(&*get(REFERENCE)?, c, &edges) {
             Err(SearchlightError::Interrupted) => return Ok(None),
             other => other.map_err(Failure::cannot)?,
         };
@@ -155,7 +155,7 @@ impl Bench<'_> {
             if let Some(profile) = model.closed_form(c) {
                 curves.push(Curve::of_profile(name, &*profile, c, &edges));
             } else if !interrupt::requested() {
-                match self.measure(model, c, &edges) {
+                match self.measure(&*model, c, &edges) {
                     Ok(curve) => curves.push(curve),
                     Err(SearchlightError::Interrupted) => {}
                     Err(error) => left_out.push((name.clone(), error.to_string())),

@@ -19,9 +19,9 @@
 
 mod half_space;
 
+use super::control::{RenderControl, RenderError};
 use super::media::Enclosure;
-use super::render::RenderControl;
-use super::threads::on_threads;
+use super::threads::Workers;
 use crate::geometry::{Hit, offset_origin};
 use crate::light::{LightPoint, LightSample};
 use crate::optics::diffusion::Coefficients;
@@ -103,13 +103,8 @@ pub enum SearchlightError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The operating system gave no threads.
-    #[error("cannot start {threads} threads: {reason}")]
-    Threads {
-        /// How many.
-        threads: usize,
-        /// Why not.
-        reason: String,
-    },
+    #[error(transparent)]
+    Threads(#[from] RenderError),
 }
 
 impl Histogram {
@@ -138,13 +133,12 @@ pub fn measure(
     let (description, face) = half_space::build(c);
     let scene = Scene::build(description)?;
     let medium = scene.medium(0).ok_or(SearchlightError::NothingScattered)?;
-    let found = on_threads(light.threads, || {
+    Workers::new(light.threads)?.install(|| {
         let propagator = model.prepare(&scene);
         let asked = || control.cancelled();
         let stop = Stop(Some(&asked));
         Bench { scene: &scene, medium, face, propagator: propagator.as_ref(), light, stop }.run(control)
-    });
-    found.map_err(|reason| SearchlightError::Threads { threads: light.threads, reason })?
+    })
 }
 
 /// What a path brings home, by radius.
