@@ -99,7 +99,9 @@ pub(super) fn finish(film: &Film, picture: &mut Picture) {
         }
         let luminance = DVec3::new(0.2126, 0.7152, 0.0722).dot(left);
         alpha.push((1.0 - luminance).clamp(0.0, 1.0) as f32);
-        kept.push(left.as_vec3());
+        if ground.is_some() {
+            kept.push(left.as_vec3());
+        }
     }
     if is_transparent {
         picture.alpha = Some(alpha);
