@@ -6,7 +6,7 @@
 //! are not independent (a denoiser, a filter wider than a pixel) make the standard error too small.
 
 use super::Region;
-use crate::film::Picture;
+use crate::film::Film;
 
 /// A mean with its standard error, three channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Estimate {
 }
 
 /// The mean of a region over all batches, which have one size that holds the region.
-pub fn measure(batches: &[Picture], region: Region) -> Estimate {
+pub fn measure(batches: &[Film], region: Region) -> Estimate {
     let [x, y, w, h] = region.map(|v| v as usize);
     let count = (batches.len() * w * h).max(1) as f64;
     let mut mean = [0.0; 3];
@@ -26,11 +26,7 @@ pub fn measure(batches: &[Picture], region: Region) -> Estimate {
     for row in y..y + h {
         for column in x..x + w {
             for c in 0..3 {
-                let values = || {
-                    batches
-                        .iter()
-                        .map(|picture| f64::from(picture.pixels[row * picture.width as usize + column][c]))
-                };
+                let values = || batches.iter().map(|film| film.mean(row * film.width() as usize + column)[c]);
                 let sum: f64 = values().sum();
                 let own = sum / batches.len().max(1) as f64;
                 mean[c] += sum;
@@ -48,6 +44,7 @@ pub fn measure(batches: &[Picture], region: Region) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Picture;
     use glam::Vec3;
 
     fn picture(seed: u64) -> Picture {
@@ -60,10 +57,14 @@ mod tests {
         Picture { width: 16, height: 16, pixels, ..Picture::default() }
     }
 
+    fn film(picture: &Picture) -> Film {
+        Film::of_picture(picture, 1)
+    }
+
     /// Uniform noise on [0, 1) has a variance of 1/12, whatever differs from pixel to pixel.
     #[test]
     fn the_standard_error_is_that_of_the_noise() {
-        let batches: Vec<Picture> = (1..=4).map(picture).collect();
+        let batches: Vec<Film> = (1..=4).map(|seed| film(&picture(seed))).collect();
         let found = measure(&batches, [0, 0, 16, 16]);
         let error = found.standard_error.expect("four batches");
         let expected = (1.0 / 12.0 / (4.0 * 256.0f64)).sqrt();
@@ -83,12 +84,12 @@ mod tests {
             let inside = (2..5).contains(&(i % 16)) && (7..9).contains(&(i / 16));
             *pixel = if inside { Vec3::ONE } else { Vec3::splat(f32::NAN) };
         }
-        assert_eq!(measure(&[picture.clone()], [2, 7, 3, 2]).mean, [1.0; 3]);
-        assert!(measure(&[picture], [2, 7, 3, 3]).mean[0].is_nan());
+        assert_eq!(measure(&[film(&picture)], [2, 7, 3, 2]).mean, [1.0; 3]);
+        assert!(measure(&[film(&picture)], [2, 7, 3, 3]).mean[0].is_nan());
     }
 
     #[test]
     fn one_batch_has_no_standard_error() {
-        assert_eq!(measure(&[picture(3)], [0, 0, 4, 4]).standard_error, None);
+        assert_eq!(measure(&[film(&picture(3))], [0, 0, 4, 4]).standard_error, None);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Case, CommandTemplate, MAX_PIXELS};
 use crate::asset::{self, LoadOptions};
-use crate::film::{Picture, read_exr};
+use crate::film::{Film, read_exr};
 use crate::optics::Microfacet;
 use crate::scene::Scene;
 use crate::transport::{RenderControl, RenderOptions, render};
@@ -46,25 +46,29 @@ pub enum Renderer {
 
 impl Renderer {
     /// Renders a picture. The error says what went wrong.
-    pub(super) fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Picture, String> {
-        let picture = match self {
+    pub(super) fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Film, String> {
+        let film = match self {
             Self::Own(own) => own.render(job, control),
             Self::Command(template) => {
                 let folder = tempfile::Builder::new().prefix("nephrite-").tempdir();
                 let folder = folder.map_err(|e| format!("no temporary folder: {e}"))?;
                 let output = folder.path().join("picture.exr");
                 template.run(job, &output, &|| control.cancelled())?;
-                read_exr(&output, MAX_PIXELS).map_err(|e| format!("the picture cannot be read: {e}"))
+                let picture = read_exr(&output, MAX_PIXELS);
+                picture
+                    .map(|picture| Film::of_picture(&picture, job.spp))
+                    .map_err(|e| format!("the picture cannot be read: {e}"))
             }
         }?;
         let Case { width, height, .. } = job.case;
-        if (picture.width, picture.height) != (*width, *height) {
+        if (film.width(), film.height()) != (*width, *height) {
             return Err(format!(
                 "the picture has {} × {} pixels; {width} × {height} were asked for",
-                picture.width, picture.height
+                film.width(),
+                film.height()
             ));
         }
-        Ok(picture)
+        Ok(film)
     }
 
     /// Whether renders with different seeds differ.
@@ -77,7 +81,7 @@ impl Renderer {
 }
 
 impl Own {
-    fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Picture, String> {
+    fn render(&self, job: &Job<'_>, control: &dyn RenderControl) -> Result<Film, String> {
         let loaded =
             asset::load(&job.case.asset(), &LoadOptions::default()).map_err(|e| e.to_string())?.scene;
         let camera = loaded.cameras.first().cloned().ok_or("the asset has no camera")?;
@@ -95,6 +99,6 @@ impl Own {
         if rendered.spp < job.spp {
             return Err("interrupted".to_owned());
         }
-        Ok(rendered.picture)
+        Ok(rendered.film)
     }
 }

@@ -6,7 +6,7 @@ use super::{
     Case, ConformanceError, Diagnosis, Estimate, Expectation, Judgement, Suite, Verdict, diagnose, judge,
     measure,
 };
-use crate::film::Picture;
+use crate::film::{Film, Picture};
 use crate::sampling::rng::{hash3, mix64};
 use crate::transport::RenderControl;
 use std::time::Instant;
@@ -107,7 +107,7 @@ fn run_case(case: &Case, options: &RunOptions, control: &dyn RenderControl) -> O
     let batches = if options.renderer.has_seed() { options.batches.max(1) } else { 1 };
     let spp = (f64::from(case.spp) * options.spp_scale / f64::from(batches)).ceil().max(1.0) as u32;
     let started = Instant::now();
-    let pictures = render_batches(case, &options.renderer, batches, spp, options.seed, control);
+    let films = render_batches(case, &options.renderer, batches, spp, options.seed, control);
     let seconds = started.elapsed().as_secs_f64();
     let mut outcome = Outcome {
         case: case.clone(),
@@ -119,16 +119,16 @@ fn run_case(case: &Case, options: &RunOptions, control: &dyn RenderControl) -> O
         batches,
         seconds,
     };
-    match pictures {
+    match films {
         Err(message) => outcome.error = Some(message),
-        Ok(pictures) => {
+        Ok(films) => {
             for (index, expectation) in case.expectations.iter().enumerate() {
-                match find(case, index, expectation, &pictures) {
+                match find(case, index, expectation, &films) {
                     Some(finding) => outcome.findings.push(finding),
                     None => outcome.error = Some(missing(expectation)),
                 }
             }
-            outcome.picture = Some(mean(&pictures));
+            outcome.picture = Some(mean(&films));
             if outcome.error.is_none() {
                 let verdicts = outcome.findings.iter().map(|finding| finding.judgement.verdict);
                 outcome.verdict = verdicts.max().unwrap_or(Verdict::Error);
@@ -145,9 +145,9 @@ fn missing(expectation: &Expectation) -> String {
     )
 }
 
-fn find(case: &Case, index: usize, expectation: &Expectation, pictures: &[Picture]) -> Option<Finding> {
+fn find(case: &Case, index: usize, expectation: &Expectation, films: &[Film]) -> Option<Finding> {
     let (mean, error) = case.truth(expectation)?;
-    let measured = measure(pictures, case.region(expectation));
+    let measured = measure(films, case.region(expectation));
     let judgement = judge(&measured, mean, error, expectation.tolerance);
     let diagnoses = match judgement.verdict {
         Verdict::Failed => diagnose(&measured, mean, expectation),
@@ -163,7 +163,7 @@ fn render_batches(
     spp: u32,
     seed: u32,
     control: &dyn RenderControl,
-) -> Result<Vec<Picture>, String> {
+) -> Result<Vec<Film>, String> {
     (0..batches)
         .map(|batch| {
             let part = Part { control, batch, batches };
@@ -195,15 +195,15 @@ fn seed_of(case: &str, batch: u32, seed: u32) -> u32 {
     hash3(name as u32, batch, seed) as u32 >> 1
 }
 
-/// The mean of pictures of one size.
-fn mean(pictures: &[Picture]) -> Picture {
-    let Some(first) = pictures.first() else { return Picture::default() };
-    let mut picture = Picture::new(first.width, first.height);
-    let share = 1.0 / pictures.len() as f32;
-    for own in pictures {
-        picture.pixels.iter_mut().zip(&own.pixels).for_each(|(sum, p)| *sum += *p * share);
+/// The picture of films of one size.
+fn mean(films: &[Film]) -> Picture {
+    let Some((first, rest)) = films.split_first() else { return Picture::default() };
+    let mut sum = first.clone();
+    for film in rest {
+        // They have one size and no layers.
+        let _ = sum.merge(film);
     }
-    picture
+    sum.develop()
 }
 
 /// Renders the reference of a case with `factor` times its samples, and writes it into its folder.
@@ -214,10 +214,10 @@ pub fn update_reference(
 ) -> Result<(), ConformanceError> {
     let spp = (f64::from(case.spp) * factor / f64::from(REFERENCE_BATCHES)).ceil().max(1.0) as u32;
     let renderer = Renderer::Own(Own::default());
-    let pictures = render_batches(case, &renderer, REFERENCE_BATCHES, spp, REFERENCE_SEED, control)
+    let films = render_batches(case, &renderer, REFERENCE_BATCHES, spp, REFERENCE_SEED, control)
         .map_err(|message| ConformanceError::Render { case: case.name.clone(), message })?;
     let region = |expectation: &Expectation| {
-        let found = measure(&pictures, case.region(expectation));
+        let found = measure(&films, case.region(expectation));
         RegionMean {
             name: expectation.name.clone(),
             mean: found.mean,
@@ -225,7 +225,7 @@ pub fn update_reference(
         }
     };
     let reference = Reference {
-        picture: mean(&pictures),
+        picture: mean(&films),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         spp: spp * REFERENCE_BATCHES,
         seed: REFERENCE_SEED,

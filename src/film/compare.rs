@@ -16,7 +16,7 @@
 //! the pixels where w ((A − R₁)² + (B − R₂)²) is largest, fireflies mostly, is left out of all four; this does not depend
 //! on the sign of the product.
 
-use super::Picture;
+use super::{Film, Picture};
 use glam::DVec3;
 
 /// ε over the squared mean of the reference.
@@ -30,7 +30,7 @@ const LEFT_OUT: f64 = 0.001;
 /// Two independent renders of one picture, of equally many samples.
 #[derive(Clone, Debug)]
 pub struct Halves {
-    halves: [Picture; 2],
+    halves: [Film; 2],
 }
 
 /// Films of different sizes were compared.
@@ -66,31 +66,32 @@ pub struct Comparison {
 }
 
 impl Halves {
-    /// Of two pictures of one size.
-    pub fn new(a: Picture, b: Picture) -> Result<Self, DifferentSizes> {
-        if (a.width, a.height, a.pixels.len()) != (b.width, b.height, b.pixels.len()) {
+    /// Of two films of one size.
+    pub fn new(a: Film, b: Film) -> Result<Self, DifferentSizes> {
+        if (a.width(), a.height()) != (b.width(), b.height()) {
             return Err(DifferentSizes);
         }
         Ok(Self { halves: [a, b] })
     }
 
-    /// The picture: the mean of both.
+    /// The picture: what both films have together.
     pub fn mean(&self) -> Picture {
         let [a, b] = &self.halves;
-        let mut picture = Picture::new(a.width, a.height);
-        picture.pixels = a.pixels.iter().zip(&b.pixels).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        picture
+        let mut whole = a.clone();
+        // They have one size; those with other layers or too many samples are shown by the first.
+        let _ = whole.merge(b);
+        whole.develop()
     }
 
-    /// Both values of each pixel.
+    /// Both means of each pixel.
     fn pixels(&self) -> impl Iterator<Item = [DVec3; 2]> {
         let [a, b] = &self.halves;
-        a.pixels.iter().zip(&b.pixels).map(|(a, b)| [a.as_dvec3(), b.as_dvec3()])
+        (0..a.counts().len()).map(|i| [a.mean(i), b.mean(i)])
     }
 
     /// Mean of each channel with its variance.
     fn moments(&self) -> [DVec3; 2] {
-        let n = self.halves[0].pixels.len().max(1) as f64;
+        let n = self.halves[0].counts().len().max(1) as f64;
         let sum = self.pixels().fold([DVec3::ZERO; 2], |[mean, variance], [a, b]| {
             [mean + 0.5 * (a + b), variance + 0.25 * (a - b) * (a - b)]
         });
@@ -99,7 +100,7 @@ impl Halves {
 
     /// Compares with a reference.
     pub fn compare(&self, reference: &Self) -> Result<Comparison, DifferentSizes> {
-        let size = |h: &Self| (h.halves[0].width, h.halves[0].height, h.halves[0].pixels.len());
+        let size = |h: &Self| (h.halves[0].width(), h.halves[0].height());
         if size(self) != size(reference) {
             return Err(DifferentSizes);
         }
@@ -208,7 +209,7 @@ mod tests {
     const WIDTH: u32 = 200;
 
     /// A half whose pixels are `value` with noise of standard deviation `sigma`, and `hot` pixels far above.
-    fn noisy(value: impl Fn(usize) -> f32, sigma: f32, hot: usize, seed: u64) -> Picture {
+    fn noisy(value: impl Fn(usize) -> f32, sigma: f32, hot: usize, seed: u64) -> Film {
         let mut rng = SmallRng::new(seed);
         // Uniform numbers of unit variance.
         let mut noise = || (rng.f32() - 0.5) * 12f32.sqrt() * sigma;
@@ -217,7 +218,7 @@ mod tests {
             *pixel = Vec3::splat(value(i)) + Vec3::new(noise(), noise(), noise());
         }
         picture.pixels[..hot].fill(Vec3::splat(1e4));
-        picture
+        Film::of_picture(&picture, 1)
     }
 
     fn halves(value: impl Fn(usize) -> f32 + Copy, sigma: f32, seed: u64) -> Halves {
@@ -255,13 +256,13 @@ mod tests {
         }
         // A reference as noisy as the picture, bright samples being rare: its deviations are large and not symmetric.
         let rare = |seed| {
-            let mut picture = noisy(|_| 0.1, 0.0, 0, seed);
+            let mut picture = noisy(|_| 0.1, 0.0, 0, seed).develop();
             let mut rng = SmallRng::new(seed);
             picture
                 .pixels
                 .iter_mut()
                 .for_each(|p| *p += Vec3::splat(if rng.f32() < 0.1 { 9.0 } else { 0.0 }));
-            picture
+            Film::of_picture(&picture, 1)
         };
         for seed in 0..10 {
             let [reference, picture] =
@@ -284,7 +285,7 @@ mod tests {
 
     #[test]
     fn odd_pictures_are_answered() {
-        let picture = |width| Picture::new(width, 1);
+        let picture = |width| Film::of_picture(&Picture::new(width, 1), 1);
         assert_eq!(Halves::new(picture(1), picture(2)).unwrap_err(), DifferentSizes);
         let black = Halves::new(picture(2), picture(2)).unwrap();
         assert_eq!(black.compare(&Halves::new(picture(3), picture(3)).unwrap()), Err(DifferentSizes));

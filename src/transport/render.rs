@@ -3,7 +3,7 @@
 use super::control::{RenderControl, RenderError, RenderStats};
 use super::options::{RenderOptions, View};
 use super::session::{Plan, Session};
-use crate::film::Picture;
+use crate::film::{Film, Picture};
 use crate::scene::Scene;
 use crate::subsurface::Registry;
 use std::ops::Deref;
@@ -20,6 +20,8 @@ const GRACE: Duration = Duration::from_millis(300);
 pub struct Rendered {
     /// Mean radiance of every pixel.
     pub picture: Picture,
+    /// What the picture was developed from.
+    pub film: Film,
     /// Samples that every pixel has (fewer than asked for after cancellation).
     pub spp: u32,
     /// What happened on the way.
@@ -29,8 +31,15 @@ pub struct Rendered {
 impl Rendered {
     /// The picture of a session so far.
     pub(super) fn of<S: Deref<Target = Scene> + Sync>(session: &Session<S>) -> Self {
-        let film = session.film();
-        Self { picture: film.develop(), spp: film.least_count(), stats: session.stats() }
+        let film = session.film().clone();
+        Self { picture: film.develop(), spp: film.least_count(), stats: session.stats(), film }
+    }
+
+    /// The picture that a session has made.
+    pub(super) fn from_session<S: Deref<Target = Scene> + Sync>(session: Session<S>) -> Self {
+        let stats = session.stats();
+        let film = session.into_film();
+        Self { picture: film.develop(), spp: film.least_count(), stats, film }
     }
 }
 
@@ -60,7 +69,7 @@ pub fn render_with(
     let pixels = u64::from(options.view.width) * u64::from(options.view.height);
     let goal = Goal { control, before: 0, total: pixels * u64::from(options.samples.count), is_first: true };
     expose(&mut session, options.samples.count, &goal);
-    Ok(Rendered::of(&session))
+    Ok(Rendered::from_session(session))
 }
 
 /// A session for a picture that is not empty.

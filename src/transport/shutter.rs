@@ -124,7 +124,7 @@ pub fn render_shutter<E: From<RenderError>>(
         let View { width, height, .. } = options.view;
         return Err(RenderError::Empty { width, height, spp: count }.into());
     };
-    Ok(Rendered::of(&session))
+    Ok(Rendered::from_session(session))
 }
 
 #[cfg(test)]

@@ -248,7 +248,7 @@ impl<'a> Bench<'a> {
         let Self { args, prepared, models, progress, .. } = self;
         let pixels = u64::from(prepared.width) * u64::from(prepared.height);
         let mut options = prepared.options(&args.scene, spp, name);
-        let mut pictures = Vec::new();
+        let mut films = Vec::new();
         let (rendered, work) = Work::of(|| {
             for half in 0..2 {
                 options.settings.seed = seed_of(as_seed, half, args.scene.seed);
@@ -260,14 +260,14 @@ impl<'a> Bench<'a> {
                 *done += pixels * u64::from(spp);
                 let samples = pixels as f64 * f64::from(spp);
                 report_counters(&rendered.stats, samples, &format!("{name}: "), self.reporter);
-                pictures.push(rendered.picture);
+                films.push(rendered.film);
             }
             Ok(true)
         });
         if !rendered? {
             return Ok(None);
         }
-        let (Some(b), Some(a)) = (pictures.pop(), pictures.pop()) else { return Ok(None) };
+        let (Some(b), Some(a)) = (films.pop(), films.pop()) else { return Ok(None) };
         let halves = Halves::new(a, b).map_err(Failure::cannot)?;
         let summary = models.get(name).map_or(String::new(), |model| model.summary().to_owned());
         let entry = Entry { name: name.to_owned(), summary, picture: halves.mean(), work };

@@ -22,6 +22,7 @@ mod half_space;
 use super::control::{RenderControl, RenderError};
 use super::media::Enclosure;
 use super::threads::Workers;
+use crate::film::Film;
 use crate::geometry::{Hit, offset_origin};
 use crate::light::{LightPoint, LightSample};
 use crate::optics::diffusion::Coefficients;
@@ -32,7 +33,7 @@ use crate::subsurface::{
     Aim, Aimed, Arrival, Connection, Connector, Exit, Flight, PathHead, Propagator, Start, Stop,
     SubsurfaceModel,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -203,17 +204,25 @@ impl Bench<'_> {
         if tallies.iter().any(|t| t.needs_lights) {
             return Err(SearchlightError::NeedsLights);
         }
-        let of =
-            |value: &dyn Fn(&Tally) -> f64| Share::of(tallies.iter().map(|t| value(t) / f64::from(each)));
-        let bins = 0..self.light.edges.len() + 1;
-        let everything = of(&|t| t.shares.iter().sum());
-        if of(&|t| t.at_beam).value > 0.5 * everything.value {
+        // A pixel for each bin and one for all of them; each batch is a sample.
+        let bins = self.light.edges.len() + 1;
+        let mut film = Film::new(bins as u32 + 1, 1, Vec::new());
+        for tally in &tallies {
+            let all = tally.shares.iter().sum();
+            for (i, light) in tally.shares.iter().chain([&all]).enumerate() {
+                film.add(i, DVec3::splat(light / f64::from(each)), &[]);
+            }
+        }
+        let share = |i| Share { value: film.mean(i).x, standard_error: film.standard_error(i).x };
+        let total = share(bins);
+        let at_beam: f64 = tallies.iter().map(|t| t.at_beam / f64::from(each)).sum();
+        if at_beam / tallies.len() as f64 > 0.5 * total.value {
             return Err(SearchlightError::LeavesWhereItEntered);
         }
         Ok(Histogram {
             edges: self.light.edges.clone(),
-            shares: bins.map(|i| of(&|t| t.shares[i])).collect(),
-            total: everything,
+            shares: (0..bins).map(share).collect(),
+            total,
             paths: tallies.len() as u64 * u64::from(each),
         })
     }
@@ -284,16 +293,6 @@ fn leave(surface: &Surface, direction: Vec3, throughput: Vec3) -> PathHead {
             barycentric: surface.barycentric,
         }),
         aimed: Aimed::default(),
-    }
-}
-
-impl Share {
-    /// The mean of independent values.
-    fn of(values: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
-        let n = values.len() as f64;
-        let value = values.clone().sum::<f64>() / n;
-        let squares: f64 = values.map(|v| (v - value).powi(2)).sum();
-        Self { value, standard_error: (squares / (n * (n - 1.0))).sqrt() }
     }
 }
 
