@@ -47,7 +47,7 @@ struct Tally {
 struct Dark;
 
 impl Connector for Dark {
-    fn scattered(&mut self, _: Vec3, _: Vec3, _: Vec3, _: HenyeyGreenstein, _: &mut Sampler) {}
+    fn scattered(&mut self, _: Vec3, _: Vec3, _: Vec3, _: HenyeyGreenstein, _: u32, _: &mut Sampler) {}
     fn redirected(&mut self, _: Vec3, _: f32) {}
     fn light(&mut self, _: Vec3, _: &mut Sampler) -> Option<LightSample> {
         None

@@ -164,6 +164,7 @@ impl Prepared {
                 camera: self.camera.clone(),
                 ground: self.ground,
                 transparent: false,
+                light_layers: Vec::new(),
             },
             settings: Settings {
                 subsurface: subsurface.to_owned(),

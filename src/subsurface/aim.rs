@@ -163,6 +163,7 @@ pub struct Aim {
     lobes: [Lobe; MOST],
     len: usize,
     chosen: Option<LightSample>,
+    events: u32,
 }
 
 impl Default for Aim {
@@ -176,11 +177,22 @@ impl Default for Aim {
             lobes,
             len: 0,
             chosen: None,
+            events: 0,
         }
     }
 }
 
 impl Aim {
+    /// Says which event of the flight it is, from 1, that is aimed from.
+    pub fn set_events(&mut self, events: u32) {
+        self.events = events;
+    }
+
+    /// Number of the event that is aimed from.
+    pub fn events(&self) -> u32 {
+        self.events
+    }
+
     /// Aims through a boundary near by of GGX width `alpha`.
     pub fn set_boundary(&mut self, boundary: NearBoundary, alpha: f32) {
         let (x, y) = orthonormal_basis(boundary.normal);

@@ -33,6 +33,8 @@ pub(super) struct Event {
     pub incoming: Vec3,
     /// Throughput there.
     pub beta: Vec3A,
+    /// Its number in the flight, from 1.
+    pub events: u32,
 }
 
 /// A direction aimed at light, in world space and in the object's own.
@@ -108,6 +110,7 @@ impl<'a> Aiming<'a> {
         self.rate = AIMING_RATE * self.worth(event.beta) * decay.x;
         if sampler.rng().f32() < self.rate && self.is_ready(event, connector) {
             let Some(found) = self.draw(c, event, sampler, connector) else { return };
+            self.aim.set_events(event.events);
             let density = found.phase * c.arrival_probability(event.beta, found.hit.t);
             let aimed = self.aim.drawn(found.direction, self.rate / density);
             self.emerge(&found, 1.0 / self.rate, aimed, sampler, connector);
@@ -162,6 +165,7 @@ impl<'a> Aiming<'a> {
         let often = connections * worth;
         let weight = last.weight(d, t) / often;
         if weight > 0.0 {
+            self.aim.set_events(event.events);
             for _ in 0..(often + sampler.rng().f32()) as u32 {
                 let Some(found) = self.draw(c, event, sampler, connector) else { continue };
                 let density = last.density(found.local, found.hit.t);

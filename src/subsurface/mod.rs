@@ -237,13 +237,14 @@ pub struct Exit {
 /// Light at the scattering events of a flight.
 pub trait Connector {
     /// [`Connection::Straight`]: called at each scattering event, after the throughput has been multiplied by the albedo;
-    /// `incoming` is the direction of travel before the event.
+    /// `incoming` is the direction of travel before the event, which is number `events` of the flight, from 1.
     fn scattered(
         &mut self,
         point: Vec3,
         incoming: Vec3,
         throughput: Vec3,
         phase: HenyeyGreenstein,
+        events: u32,
         sampler: &mut Sampler,
     );
     /// [`Connection::Straight`]: called with the direction chosen and its phase-function density, so that hits by chance
@@ -254,7 +255,7 @@ pub trait Connector {
     /// As [`Connector::light`], but always a point of the closest light: biased.
     fn closest_light(&mut self, point: Vec3, sampler: &mut Sampler) -> Option<LightSample>;
     /// Adds the light of a sample that comes in at `surface`, a point of the object's boundary `covered` metres along the
-    /// straight line to it: `throughput` × radiance / pdf, where nothing beyond is in the way.
+    /// straight line to it: `throughput` × radiance / pdf, where nothing beyond is in the way. It was scattered once.
     fn deliver(
         &mut self,
         surface: &Surface,
@@ -270,7 +271,8 @@ pub trait Connector {
     fn draw(&self, point: Vec3, aim: &mut Aim, sampler: &mut Sampler) -> Option<(Vec3, f32)>;
     /// [`Connection::Boundary`]: a drawn direction of travel `incoming` has met the boundary from inside. `throughput`
     /// is that of the path, times phase function and transmittance, over the density of the direction; `aimed` is as in
-    /// [`PathHead::aimed`]. Adds the light found directly beyond the boundary.
+    /// [`PathHead::aimed`]. Adds the light found directly beyond the boundary, which comes to the event of the flight that
+    /// `aim` was last told of ([`Aim::set_events`]).
     fn emerge(
         &mut self,
         hit: &Hit,

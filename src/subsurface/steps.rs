@@ -50,7 +50,7 @@ pub(super) fn scatter(
     }
     let incoming = head.direction;
     if let Some(connector) = &mut connector {
-        connector.scattered(head.position, incoming, head.throughput, phase, sampler);
+        connector.scattered(head.position, incoming, head.throughput, phase, head.events, sampler);
     }
     head.direction = redirect(phase, incoming, sampler.rng());
     if let Some(connector) = connector {

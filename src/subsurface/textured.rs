@@ -201,6 +201,7 @@ pub(super) fn propagate(
                 aiming.phase_pdf = medium.phase().eval_directions(incoming, head.direction);
                 aiming.rate = aiming_rate(distance, sigma_a + sigma_s, head.throughput * radiance_scale);
                 if head.events + 1 < flight.budget && sampler.rng().f32() < aiming.rate {
+                    aiming.aim.set_events(head.events);
                     aiming.shoot(flight, &mut textured, sampler, connector);
                 }
             }

@@ -1,10 +1,12 @@
 //! Next-event estimation: connecting a vertex to a light.
 
 use super::dispersion::Drawn;
+use super::gathered::Gathered;
 use super::interface::Crossing;
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
+use super::state::Path;
 use super::weight::Techniques;
 use crate::light::{Anchor, LightSample};
 use crate::optics::Bsdf;
@@ -93,9 +95,16 @@ impl Shaded<'_> {
 }
 
 impl PathTracer<'_> {
-    /// Light from as many sampled lights as are to be, scattered at a surface towards the previous vertex.
-    pub(super) fn direct(&self, s: &Shaded<'_>, stack: &MediumStack, sampler: &mut Sampler) -> Vec3 {
+    /// Light from as many sampled lights as are to be, scattered at a surface towards the path, whose throughput it has.
+    pub(super) fn direct(
+        &self,
+        s: &Shaded<'_>,
+        path: &Path,
+        gathered: &mut Gathered<'_>,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
         let lights = &self.scene.lights;
+        let stack = &path.stack;
         let select = sampler.next_1d();
         let mut sum = Vec3::ZERO;
         for i in 0..s.lights {
@@ -105,11 +114,15 @@ impl PathTracer<'_> {
                 continue;
             }
             if let Some(light) = lights.sample_at(&s.anchor, select, u) {
-                sum += self.direct_surface(s, stack, &light, sampler);
-                sum += self.direct_above(s, stack, &light, sampler);
+                let on = self.direct_surface(s, stack, &light, sampler);
+                let above = self.direct_above(s, stack, &light, sampler);
+                sum += on;
+                sum += above;
+                let part = path.head.throughput * (on + above) / s.lights as f32;
+                gathered.note_part(part, || path.tag(self.source_of(&light.point)));
             }
         }
-        sum / s.lights as f32
+        path.head.throughput * (sum / s.lights as f32)
     }
 
     /// Light from one sampled light, scattered at a surface towards the previous vertex. It was chosen at the surface, or

@@ -2,12 +2,13 @@
 //! boundary of the object where directions can be aimed.
 
 use super::direct::{Reached, Shaded};
+use super::gathered::{FirstEvent, Gathered, LightSource, LightTag, Seen};
 use super::interface::Interface;
 use super::media::{Enclosure, MediumStack};
 use super::path::PathTracer;
 use super::place::InPlace;
 use super::shading_normal::from_below;
-use super::state::Vertex;
+use super::state::{Path, Vertex};
 use super::weight::Techniques;
 use crate::geometry::{Hit, Ray, offset_origin};
 use crate::light::{Anchor, LightSample};
@@ -23,20 +24,43 @@ const REFRACT: f32 = 1.0 - f32::EPSILON / 2.0;
 /// Area lights from behind that a ray may pass, so that none goes on for ever.
 const MOST_ABSENT: u32 = 1 << 16;
 
+/// What is known of all light that a flight finds.
+#[derive(Clone, Copy)]
+struct FlightTags {
+    /// Events of the path before the flight.
+    events: u32,
+    seen: Seen,
+    /// What the flight is in.
+    instance: u32,
+}
+
+impl FlightTags {
+    /// The tag of light that comes to an event of the flight.
+    fn tag(&self, events: u32, light: LightSource) -> LightTag {
+        let mut seen = self.seen;
+        seen.note(FirstEvent::Medium, self.instance);
+        seen.scatterings = seen.scatterings.saturating_add(events);
+        seen.tag(self.events.saturating_add(events), light)
+    }
+}
+
 /// The lights, as a flight sees them.
 pub(super) struct FlightLights<'a, 'b> {
     tracer: &'a PathTracer<'b>,
     stack: MediumStack,
     enclosure: Enclosure,
+    tags: FlightTags,
     /// Light gathered on the way.
-    pub radiance: Vec3,
+    pub gathered: Gathered<'a>,
     /// The last event, where directions found by chance are to be weighed.
     pub vertex: Option<Vertex>,
 }
 
 impl<'a, 'b> FlightLights<'a, 'b> {
-    pub fn new(tracer: &'a PathTracer<'b>, stack: MediumStack, enclosure: Enclosure) -> Self {
-        Self { tracer, stack, enclosure, radiance: Vec3::ZERO, vertex: None }
+    pub fn new(tracer: &'a PathTracer<'b>, path: &Path, enclosure: Enclosure) -> Self {
+        let gathered = Gathered::new(&tracer.view.light_layers);
+        let tags = FlightTags { events: path.events, seen: path.seen, instance: enclosure.instance };
+        Self { tracer, stack: path.stack, enclosure, tags, gathered, vertex: None }
     }
 
     /// What a ray meets, area lights from behind left out.
@@ -60,25 +84,26 @@ impl<'a, 'b> FlightLights<'a, 'b> {
     }
 
     /// Light found by refracting on through a smooth or nearly smooth boundary.
-    fn refracted(&self, shaded: &Shaded<'_>, aimed: &Aimed, sampler: &mut Sampler) -> Vec3 {
+    fn refracted(&self, shaded: &Shaded<'_>, aimed: &Aimed, sampler: &mut Sampler) -> (Vec3, LightSource) {
+        const NOTHING: (Vec3, LightSource) = (Vec3::ZERO, LightSource::Environment);
         let delta = shaded.bsdf.is_delta();
         let u_lobe = if delta { REFRACT } else { sampler.next_1d() };
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, sampler.next_2d()) else {
-            return Vec3::ZERO;
+            return NOTHING;
         };
         let direction = (shaded.frame * sample.wi).normalize();
         let n = shaded.surface.geometric_normal;
         if !sample.transmitted || direction.dot(n) <= 0.0 {
-            return Vec3::ZERO;
+            return NOTHING;
         }
         let from = shaded.surface.position;
         let origin = offset_origin(from, shaded.surface.error, n, direction);
         self.tracer.count_ray();
         let scene = self.tracer.scene;
-        let (light, density) = match self.intersect_beyond_absent(origin, direction) {
+        let (light, density, source) = match self.intersect_beyond_absent(origin, direction) {
             None => {
                 let density = scene.lights.environment_pdf_at(&shaded.anchor, direction);
-                (scene.lights.environment_radiance(direction), density)
+                (scene.lights.environment_radiance(direction), density, LightSource::Environment)
             }
             Some(hit) => {
                 let top = || {
@@ -91,17 +116,18 @@ impl<'a, 'b> FlightLights<'a, 'b> {
                 let material = scene.material(surface.material);
                 let front = direction.dot(surface.geometric_normal) < 0.0;
                 if material.unlit || !(front || material.double_sided) {
-                    return Vec3::ZERO;
+                    return NOTHING;
                 }
                 let id = scene.lights.emitter_id(surface.instance, surface.triangle);
                 let pdf = |id| scene.lights.emitter_pdf_at(id, from, &shaded.anchor, surface.position);
-                (scene.emission(&surface, -direction), id.map_or(0.0, pdf))
+                let source = LightSource::Surface(surface.instance);
+                (scene.emission(&surface, -direction), id.map_or(0.0, pdf), source)
             }
         };
         let weigh =
             |light, chance| Techniques::new(light, chance, aimed.scattered_on() * chance).weigh_aimed();
         let weight = if delta { sample.pdf * weigh(0.0, 1.0) } else { weigh(density, sample.pdf) };
-        light * sample.weight * weight
+        (light * sample.weight * weight, source)
     }
 }
 
@@ -112,6 +138,7 @@ impl Connector for FlightLights<'_, '_> {
         incoming: Vec3,
         throughput: Vec3,
         phase: HenyeyGreenstein,
+        events: u32,
         sampler: &mut Sampler,
     ) {
         let (u_select, u) = (sampler.next_1d(), sampler.next_2d());
@@ -121,7 +148,9 @@ impl Connector for FlightLights<'_, '_> {
         let contribution = throughput * light.radiance * (f * weight / light.pdf);
         if contribution.max_element() > 0.0 {
             let ray = self.tracer.shadow_ray(point, &light);
-            self.radiance += contribution * self.tracer.transmittance(&ray, self.stack, sampler);
+            let found = contribution * self.tracer.transmittance(&ray, self.stack, sampler);
+            let (tags, tracer) = (self.tags, self.tracer);
+            self.gathered.add(found, || tags.tag(events, tracer.source_of(&light.point)));
         }
     }
 
@@ -165,7 +194,9 @@ impl Connector for FlightLights<'_, '_> {
         let mut surface = *surface;
         let scale = self.tracer.look_around(&mut stack, self.enclosure, &mut surface);
         let ray = self.tracer.shadow_ray_from(&surface, &LightSample { distance, ..*light });
-        self.radiance += contribution * scale * self.tracer.transmittance(&ray, stack, sampler);
+        let found = contribution * scale * self.tracer.transmittance(&ray, stack, sampler);
+        let (tags, tracer) = (self.tags, self.tracer);
+        self.gathered.add(found, || tags.tag(1, tracer.source_of(&light.point)));
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -234,14 +265,23 @@ impl Connector for FlightLights<'_, '_> {
             above: None,
         };
         shaded.orient(-incoming, normal, true);
-        let light = match aim.chosen() {
+        let (light, source) = match aim.chosen() {
             Some(chosen) => {
                 let seen = tracer.scene.lights.seen_from(chosen, aim.boundary().point, surface.position);
-                seen.map_or(Vec3::ZERO, |l| tracer.direct_surface(&shaded, &self.stack, &l, sampler))
+                let light =
+                    seen.map_or(Vec3::ZERO, |l| tracer.direct_surface(&shaded, &self.stack, &l, sampler));
+                (light, LightSource::Environment)
             }
             None => self.refracted(&shaded, &aimed, sampler),
         };
-        self.radiance += throughput * light;
+        let tags = self.tags;
+        let tag = || {
+            // The boundary on the way to the light is one more event.
+            let source = aim.chosen().map_or(source, |light| tracer.source_of(&light.point));
+            let tag = tags.tag(aim.events(), source);
+            LightTag { events: tag.events.saturating_add(1), ..tag }
+        };
+        self.gathered.add(throughput * light, tag);
     }
 }
 

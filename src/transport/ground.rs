@@ -15,6 +15,7 @@
 //!
 //! Nothing but the camera sees the plane: objects look as they do without it, in mirrors and in glass as well.
 
+use super::gathered::{Gathered, Seen};
 use super::path::PathTracer;
 use super::state::{Path, Vertex};
 use crate::film::composite::Caught;
@@ -95,9 +96,13 @@ impl PathTracer<'_> {
             wavelength: path.wavelength,
             direct_view: false,
             footprint: Footprint::default(),
+            seen: Seen::default(),
         };
         if direction.y > 0.0 {
-            self.follow(&mut reflected, &mut with, sampler);
+            let mut gathered = Gathered::new(&[]);
+            gathered.sum = with;
+            self.follow(&mut reflected, &mut gathered, sampler);
+            with = gathered.sum;
         }
         if !(with.is_finite() && without.is_finite()) {
             self.count(|c| c.invalid_samples += 1);

@@ -2,6 +2,7 @@
 //! scattering function.
 
 use super::direct::{Reached, Shaded};
+use super::gathered::{Gathered, LightSource};
 use super::interface::{Crossing, Interface};
 use super::path::PathTracer;
 use super::place::InPlace;
@@ -23,7 +24,7 @@ impl PathTracer<'_> {
         &self,
         hit: &Hit,
         path: &mut Path,
-        radiance: &mut Vec3,
+        gathered: &mut Gathered<'_>,
         sampler: &mut Sampler,
     ) -> bool {
         let surface = Surface::new(self.scene, hit);
@@ -33,10 +34,10 @@ impl PathTracer<'_> {
                 .map(Box::new);
             if path.place.is_some() {
                 path.head.aimed = Aimed::default();
-                return self.meet_in_place(path, radiance, sampler);
+                return self.meet_in_place(path, gathered, sampler);
             }
         }
-        self.meet(std::slice::from_ref(&surface), path, radiance, sampler)
+        self.meet(std::slice::from_ref(&surface), path, gathered, sampler)
     }
 
     /// Meets a sheet, or the boundaries of media in one place. False: the path ends.
@@ -44,7 +45,7 @@ impl PathTracer<'_> {
         &self,
         surfaces: &[Surface],
         path: &mut Path,
-        radiance: &mut Vec3,
+        gathered: &mut Gathered<'_>,
         sampler: &mut Sampler,
     ) -> bool {
         let wo = -path.head.direction;
@@ -73,11 +74,15 @@ impl PathTracer<'_> {
         }
         if material.unlit {
             path.direct_view = false;
-            *radiance += path.head.throughput * self.scene.base_color(&surface).truncate();
+            let light = path.head.throughput * self.scene.base_color(&surface).truncate();
+            gathered.add(light, || path.tag(LightSource::Surface(surface.instance)));
             return false;
         }
         if self.scene.lights.has_emitters() {
-            *radiance += self.emission_of(surfaces, surface.footprint, path);
+            let light = self.emission_of(surfaces, surface.footprint, path);
+            if light != Vec3::ZERO {
+                gathered.add(light, || path.tag(LightSource::Surface(surface.instance)));
+            }
         }
         if material.area_light {
             return false;
@@ -161,7 +166,7 @@ impl PathTracer<'_> {
             drawn,
             above: None,
         };
-        self.scatter(shaded, normal, see_through, path, radiance, sampler)
+        self.scatter(shaded, normal, see_through, path, gathered, sampler)
     }
 
     /// Goes straight on through what is not there, into what is beyond it.

@@ -9,6 +9,7 @@ mod control;
 mod direct;
 mod dispersion;
 mod emerge;
+mod gathered;
 mod ground;
 mod interface;
 mod leave;
@@ -32,6 +33,7 @@ mod threads;
 mod weight;
 
 pub use control::{RenderControl, RenderError, RenderStats};
+pub use gathered::{FirstEvent, LightLayer, LightSource, LightTag};
 pub use media::{Enclosure, MediumStack};
 pub use options::{RenderOptions, SampleRange, Settings, View};
 pub use render::{Rendered, render, render_with};

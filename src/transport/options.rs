@@ -1,5 +1,6 @@
 //! What is rendered: what is seen ([`View`]), how light is followed ([`Settings`]), which samples ([`SampleRange`]).
 
+use super::gathered::LightLayer;
 use crate::film::{FilmLayer, composite};
 use crate::optics::Microfacet;
 use crate::scene::{CameraDescription, Footprint};
@@ -17,17 +18,20 @@ pub struct View {
     pub ground: Option<f32>,
     /// Whether the background is left out, and the picture has alpha.
     pub transparent: bool,
+    /// Parts of the light that the film has as layers of their own.
+    pub light_layers: Vec<LightLayer>,
 }
 
 impl View {
     /// 640 × 480 pixels with the background and without a ground.
     pub fn new(camera: CameraDescription) -> Self {
-        Self { width: 640, height: 480, camera, ground: None, transparent: false }
+        Self { width: 640, height: 480, camera, ground: None, transparent: false, light_layers: Vec::new() }
     }
 
     /// The layers of a film for it.
     pub(super) fn layers(&self) -> Vec<FilmLayer> {
-        composite::layers(self.transparent, self.ground.is_some())
+        let light = self.light_layers.iter().map(LightLayer::on_film);
+        light.chain(composite::layers(self.transparent, self.ground.is_some())).collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::control::RenderStats;
 use super::direct::{Reached, Shaded};
 use super::emerge::FlightLights;
+use super::gathered::{FirstEvent, Gathered, LightSource, Seen};
 use super::media::MediumStack;
 use super::options::{Settings, View};
 use super::pixel::PixelSample;
@@ -60,6 +61,7 @@ impl PathTracer<'_> {
         if !sample.radiance.is_finite() {
             self.count(|c| c.invalid_samples += 1);
             sample.radiance = Vec3::ZERO;
+            sample.parts.fill(Vec3::ZERO);
         }
         sample
     }
@@ -84,19 +86,21 @@ impl PathTracer<'_> {
             wavelength: None,
             direct_view: true,
             footprint: self.camera.footprint(&ray, self.settings.texture_filter),
+            seen: Seen::default(),
         };
-        let mut radiance = Vec3::ZERO;
-        let caught = self.follow(&mut path, &mut radiance, sampler);
+        let mut gathered = Gathered::new(&self.view.light_layers);
+        let caught = self.follow(&mut path, &mut gathered, sampler);
         // What is seen straight through clear media is dimmed.
         let clear = if path.direct_view { path.head.throughput.element_sum() / 3.0 } else { 0.0 };
-        PixelSample { radiance, covered: 1.0 - clear, caught }
+        let Gathered { sum: radiance, parts, .. } = gathered;
+        PixelSample { radiance, parts, covered: 1.0 - clear, caught }
     }
 
     /// Follows a path until it ends; what it sees if that is the ground.
     pub(super) fn follow(
         &self,
         path: &mut Path,
-        radiance: &mut Vec3,
+        gathered: &mut Gathered<'_>,
         sampler: &mut Sampler,
     ) -> Option<Caught> {
         let mut turns = 0_u32;
@@ -106,7 +110,7 @@ impl PathTracer<'_> {
                 break;
             }
             if path.place.is_some() {
-                if self.meet_in_place(path, radiance, sampler) {
+                if self.meet_in_place(path, gathered, sampler) {
                     continue;
                 }
                 self.count_cut(path);
@@ -115,7 +119,7 @@ impl PathTracer<'_> {
             let from = path.head.position;
             let reach = self.reach(path);
             let outside = path.stack.is_empty();
-            let arrival = self.advance(path, reach, radiance, sampler);
+            let arrival = self.advance(path, reach, gathered, sampler);
             if path.direct_view
                 && outside
                 && let Some(t) = self.ground_distance(from, path.head.direction, &arrival, reach)
@@ -123,11 +127,11 @@ impl PathTracer<'_> {
                 return Some(self.catch(path, from + t * path.head.direction, sampler));
             }
             let alive = match arrival {
-                Arrival::Surface(hit) => self.meet_surface(&hit, path, radiance, sampler),
-                Arrival::Exit(exit) => self.leave_below(*exit, path, radiance, sampler),
+                Arrival::Surface(hit) => self.meet_surface(&hit, path, gathered, sampler),
+                Arrival::Exit(exit) => self.leave_below(*exit, path, gathered, sampler),
                 Arrival::Escaped => {
                     if !(path.direct_view && self.view.transparent) {
-                        *radiance += self.environment(path);
+                        gathered.add(self.environment(path), || path.tag(LightSource::Environment));
                     }
                     return None;
                 }
@@ -180,7 +184,13 @@ impl PathTracer<'_> {
 
     /// Moves the head to where it arrives next. What is seen straight ends after `reach`; flights through media that
     /// scatter do not, since nobody can say of light that was scattered on which side of the plane it was seen.
-    fn advance(&self, path: &mut Path, reach: f32, radiance: &mut Vec3, sampler: &mut Sampler) -> Arrival {
+    fn advance(
+        &self,
+        path: &mut Path,
+        reach: f32,
+        gathered: &mut Gathered<'_>,
+        sampler: &mut Sampler,
+    ) -> Arrival {
         let Some((enclosure, medium)) =
             path.stack.current().and_then(|e| Some((e, self.scene.medium(e.material)?)))
         else {
@@ -215,9 +225,9 @@ impl PathTracer<'_> {
         let from = path.head.position;
         path.head.events = 0;
         path.head.aimed = Aimed::default();
-        let mut lights = FlightLights::new(self, path.stack, enclosure);
+        let mut lights = FlightLights::new(self, path, enclosure);
         let arrival = self.model.propagate(&flight, &mut path.head, sampler, &mut lights);
-        *radiance += lights.radiance;
+        gathered.add_all(&lights.gathered);
         if let Some(vertex) = lights.vertex {
             path.vertex = vertex;
         } else if path.head.events > 0 {
@@ -231,6 +241,8 @@ impl PathTracer<'_> {
         });
         path.direct_view &= events == 0;
         if events > 0 {
+            path.seen.note(FirstEvent::Medium, enclosure.instance);
+            path.seen.scatterings = path.seen.scatterings.saturating_add(events);
             path.total_reflections = 0;
             path.footprint.forget();
         } else if reach < f32::INFINITY {
@@ -261,7 +273,13 @@ impl PathTracer<'_> {
     }
 
     /// An exit that a BSSRDF has found: the path leaves the object there.
-    fn leave_below(&self, exit: Exit, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
+    fn leave_below(
+        &self,
+        exit: Exit,
+        path: &mut Path,
+        gathered: &mut Gathered<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
         let Exit { mut surface, lobe } = exit;
         if let Some(e) = path.stack.current() {
             path.stack.leave(e.instance);
@@ -287,7 +305,7 @@ impl PathTracer<'_> {
             drawn: None,
             above: None,
         };
-        self.scatter(shaded, surface.normal, false, path, radiance, sampler)
+        self.scatter(shaded, surface.normal, false, path, gathered, sampler)
     }
 
     /// Connects a shaded vertex to a light and samples its scattering function.
@@ -297,7 +315,7 @@ impl PathTracer<'_> {
         normal: Vec3,
         see_through: bool,
         path: &mut Path,
-        radiance: &mut Vec3,
+        gathered: &mut Gathered<'_>,
         sampler: &mut Sampler,
     ) -> bool {
         shaded.orient(-path.head.direction, normal, see_through);
@@ -306,8 +324,11 @@ impl PathTracer<'_> {
             shaded.above = Some(above);
         }
         let connected = !shaded.bsdf.is_delta();
+        let is_first = path.seen.first == FirstEvent::None;
+        path.seen.note(FirstEvent::Surface, shaded.surface.instance);
         if connected {
-            *radiance += path.head.throughput * self.direct(&shaded, &path.stack, sampler);
+            let light = self.direct(&shaded, path, gathered, sampler);
+            gathered.add_noted(light);
         }
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shaded.bsdf.sample(shaded.wo, u_lobe, u) else { return false };
@@ -315,9 +336,12 @@ impl PathTracer<'_> {
             self.keep_wavelength(path, drawn, shaded.wo, &sample);
         }
         let alive = self.leave(&shaded, &sample, connected, path, sampler);
+        if is_first && sample.transmitted && shaded.enclosure.is_some() {
+            path.seen.first = FirstEvent::Refraction;
+        }
         let walks = if alive && sample.transmitted && shaded.front { self.walks(path) } else { 1 };
         if walks > 1 {
-            self.follow_each(path, walks, radiance, sampler);
+            self.follow_each(path, walks, gathered, sampler);
             return false;
         }
         alive

@@ -15,6 +15,7 @@
 //! - Shadow rays that start at a member pass the others on their side of it. No direction leads to a lamp that is one of
 //!   them, so it is not sampled, and what a path finds there once it was scattered in the place counts in full.
 
+use super::gathered::Gathered;
 use super::media::MediumStack;
 use super::path::PathTracer;
 use super::state::Path;
@@ -221,7 +222,12 @@ impl Path {
 
 impl PathTracer<'_> {
     /// Meets the next member of the place that a path is in. False: the path ends.
-    pub(super) fn meet_in_place(&self, path: &mut Path, radiance: &mut Vec3, sampler: &mut Sampler) -> bool {
+    pub(super) fn meet_in_place(
+        &self,
+        path: &mut Path,
+        gathered: &mut Gathered<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
         let Some(place) = &path.place else { return true };
         let members = Rc::clone(&place.place);
         let Some(&member) = place.left.get(place.at) else {
@@ -230,6 +236,6 @@ impl PathTracer<'_> {
             path.step_in_place(true);
             return true;
         };
-        self.meet(&members.members[member as usize], path, radiance, sampler)
+        self.meet(&members.members[member as usize], path, gathered, sampler)
     }
 }

@@ -291,6 +291,7 @@ impl Exposure<'_> {
                 let mut sampler = Sampler::new(pixel, number, self.settings.seed);
                 let found = tracer.sample_pixel(x, y, &mut sampler);
                 values.clear();
+                values.extend(found.parts.iter().flat_map(|part| part.to_array()));
                 composite::push_values(&mut values, layers, found.covered, found.caught.as_ref());
                 part.add(i, found.radiance.as_dvec3(), &values);
                 done = done.wrapping_add(1);

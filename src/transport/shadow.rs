@@ -7,6 +7,7 @@
 //! Alpha, boundaries between equal indices and media are passed; other boundaries bend light, so nothing gets through in a
 //! straight line. Where alpha lets light into a medium of another index, L/n² is what stays.
 
+use super::gathered::LightSource;
 use super::interface::Interface;
 use super::media::MediumStack;
 use super::path::PathTracer;
@@ -46,6 +47,19 @@ impl PathTracer<'_> {
         match light.point {
             LightPoint::Emitter(id, _) => self.scene.lights.emitter_triangle(id),
             LightPoint::Environment(_) | LightPoint::Punctual(_) => None,
+        }
+    }
+
+    /// What a point of a light belongs to.
+    pub(super) fn source_of(&self, point: &LightPoint) -> LightSource {
+        match *point {
+            LightPoint::Environment(_) => LightSource::Environment,
+            LightPoint::Punctual(index) => LightSource::Punctual(index),
+            LightPoint::Emitter(id, _) => {
+                let instance =
+                    self.scene.lights.emitter_triangle(id).map_or(u32::MAX, |(instance, _)| instance);
+                LightSource::Surface(instance)
+            }
         }
     }
 

@@ -5,12 +5,12 @@
 //! walk has few events, the rest of a sample costs more than the walk: several walks a sample are cheaper than as many
 //! samples.
 
+use super::gathered::Gathered;
 use super::media::Enclosure;
 use super::path::PathTracer;
 use super::state::Path;
 use crate::optics::Bsdf;
 use crate::sampling::Sampler;
-use glam::Vec3;
 
 impl PathTracer<'_> {
     /// Tells the boundary of an object, met from outside, what lies below is worth.
@@ -29,11 +29,17 @@ impl PathTracer<'_> {
     }
 
     /// Follows a path to its ends that many times.
-    pub(super) fn follow_each(&self, path: &Path, walks: u32, radiance: &mut Vec3, sampler: &mut Sampler) {
-        let mut found = Vec3::ZERO;
+    pub(super) fn follow_each(
+        &self,
+        path: &Path,
+        walks: u32,
+        gathered: &mut Gathered<'_>,
+        sampler: &mut Sampler,
+    ) {
+        let mut found = gathered.anew();
         for _ in 0..walks {
             self.follow(&mut path.clone(), &mut found, sampler);
         }
-        *radiance += found / walks as f32;
+        gathered.add_share(&found, walks as f32);
     }
 }

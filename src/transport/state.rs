@@ -1,6 +1,7 @@
 //! What a path remembers between events.
 
 use super::direct::Shaded;
+use super::gathered::Seen;
 use super::media::MediumStack;
 use super::place::InPlace;
 use crate::geometry::offset_origin;
@@ -60,6 +61,8 @@ pub(super) struct Path {
     pub direct_view: bool,
     /// How far its neighbours are apart.
     pub footprint: Footprint,
+    /// What the camera saw first, for layers of light.
+    pub seen: Seen,
 }
 
 impl Path {

@@ -7,7 +7,9 @@ use glam::{Affine3A, Vec3};
 use nephrite::film::{Film, Window};
 use nephrite::scene::*;
 use nephrite::subsurface::Registry;
-use nephrite::transport::{Plan, RenderControl, RenderOptions, Session};
+use nephrite::transport::{
+    FirstEvent, LightLayer, LightSource, LightTag, Plan, RenderControl, RenderOptions, Session, View,
+};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -194,4 +196,74 @@ fn a_pass_ends_soon_after_it_is_cancelled_and_leaves_complete_tiles() {
     let missing = counts.iter().map(|count| 2 - count).collect();
     assert!(session.pass(&Plan::Each(missing), &()));
     assert_eq!(session.film().least_count(), 2);
+}
+
+/// Layers that share out all light add up to the picture, sample by sample; what they say is what there is.
+#[test]
+fn layers_of_light_add_up_to_the_picture() {
+    use FirstEvent::{Medium, None as Nothing, Refraction, Surface};
+    // The ball of milk on its square, in a sky, with a lamp beside and a light without size above.
+    let mut scene = SceneDescription::clone(&scene_at(0).description);
+    let lamp = scene.materials.len() as u32;
+    scene.materials.push(MaterialDescription { emission: Vec3::splat(8.0), ..matte(0.0) });
+    let lamp_mesh = MeshDescription { triangle_materials: vec![lamp; 20], ..icosphere(0.1, 0, false) };
+    scene.meshes.push(lamp_mesh);
+    scene.instances.push(place(2, Affine3A::from_translation(Vec3::new(-0.5, 0.4, 0.3))));
+    scene.lights.push(PunctualLight {
+        name: String::new(),
+        intensity: Vec3::ONE,
+        position: Vec3::new(0.5, 1.0, 0.0),
+        direction: Vec3::NEG_Y,
+        range: None,
+        kind: PunctualKind::Point,
+    });
+    let scene = Arc::new(Scene::build(scene).expect("builds"));
+    let RenderOptions { mut view, settings, .. } = options(above(), 21, 1);
+    let firsts = [Nothing, Surface, Refraction, Medium];
+    let layer =
+        |name: String, holds: Box<dyn Fn(&LightTag) -> bool + Send + Sync>| LightLayer::new(&name, holds);
+    view.light_layers = firsts
+        .into_iter()
+        .map(|first| layer(format!("{first:?}"), Box::new(move |tag| tag.first == first)))
+        .chain([
+            layer("environment".into(), Box::new(|tag| tag.light == LightSource::Environment)),
+            layer("point".into(), Box::new(|tag| tag.light == LightSource::Punctual(0))),
+            layer("square".into(), Box::new(|tag| tag.light == LightSource::Surface(0))),
+            layer("lamp".into(), Box::new(|tag| tag.light == LightSource::Surface(2))),
+            layer("single".into(), Box::new(|tag| tag.first == Refraction && tag.scatterings == 1)),
+            layer("milk".into(), Box::new(|tag| tag.object == Some(1))),
+        ])
+        .collect();
+    let plain = options(above(), 21, 1).view;
+    let film = |view: View| {
+        let models = Registry::standard();
+        let session = Session::new(scene.clone(), view, settings.clone(), 0, &models);
+        let mut session = session.expect("begins").starting_at(7);
+        assert!(session.pass(&Plan::Everywhere(4), &()));
+        session.into_film().develop()
+    };
+    let picture = film(view);
+    let mean = |name: &str| {
+        let layer = picture.layers.iter().find(|l| l.name == name).expect("is there");
+        let of = |c: usize| layer.channels[c].values.iter().map(|v| f64::from(*v)).sum::<f64>() / 441.0;
+        [of(0), of(1), of(2)]
+    };
+    assert_eq!(film(plain).pixels, picture.pixels, "layers change nothing");
+    let whole = picture.mean();
+    let sums: [&[&str]; 2] =
+        [&["None", "Surface", "Refraction", "Medium"], &["environment", "point", "square", "lamp"]];
+    for names in sums {
+        for (c, whole) in whole.iter().enumerate() {
+            let sum: f64 = names.iter().map(|name| mean(name)[c]).sum();
+            assert!((sum - whole).abs() < 1e-5 * whole, "{names:?}: {sum} instead of {whole}");
+        }
+    }
+    // Nothing of this is empty but the medium around the camera, which there is not. Unlit squares shine by themselves.
+    for name in ["None", "Refraction", "environment", "lamp", "square", "single", "milk"] {
+        assert!(mean(name)[0] > 0.0, "{name}");
+    }
+    assert_eq!(mean("Medium"), [0.0; 3]);
+    // Some, and not all, of what comes out of milk has been scattered once.
+    assert!(mean("single")[0] < mean("Refraction")[0]);
+    assert!(mean("milk")[0] >= mean("Refraction")[0]);
 }

@@ -302,7 +302,7 @@ struct Everywhere<'a, 'b> {
 }
 
 impl Connector for Everywhere<'_, '_> {
-    fn scattered(&mut self, _: Vec3, _: Vec3, _: Vec3, _: HenyeyGreenstein, _: &mut Sampler) {}
+    fn scattered(&mut self, _: Vec3, _: Vec3, _: Vec3, _: HenyeyGreenstein, _: u32, _: &mut Sampler) {}
 
     fn redirected(&mut self, _: Vec3, _: f32) {}
 
