@@ -3,7 +3,7 @@
 //! Data flows one way through the rooms of this crate:
 //!
 //! ```text
-//! .gltf/.glb ──asset──▶ Scene ──transport──▶ Film ──film──▶ .exr .png
+//! .gltf/.glb ──asset──▶ Scene ──transport──▶ Film ──film──▶ Picture ──▶ .exr .png
 //!               ▲ extension     ▲ subsurface
 //!                               │ light, optics, geometry, sampling
 //! ```

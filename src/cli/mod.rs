@@ -42,6 +42,7 @@ mod stats;
 mod usage;
 mod validate;
 mod values;
+mod view;
 mod warnings;
 
 use clap::Parser;

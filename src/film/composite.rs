@@ -8,7 +8,8 @@
 //! What is shown of a ground is a ratio of two sums, E_with / E_without, times the background: a film keeps the sums, and
 //! divides last.
 
-use super::raw::{Averaging, Film, FilmLayer};
+use super::layer::{Averaging, FilmLayer};
+use super::raw::Film;
 use super::{Channel, Layer, Picture};
 use glam::{DVec3, Vec3};
 

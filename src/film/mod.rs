@@ -15,6 +15,7 @@ mod exr;
 pub mod figure;
 mod format;
 mod hdr;
+mod layer;
 mod raw;
 mod read;
 mod store;
@@ -22,7 +23,8 @@ pub mod tonemap;
 mod write;
 
 pub use format::{Format, UnknownFormat};
-pub use raw::{Averaging, Film, FilmLayer, MergeError, Window};
+pub use layer::{Averaging, FilmLayer};
+pub use raw::{Film, MergeError, Window};
 pub use read::{ReadError, decode, read_bytes, read_exr};
 pub use store::LoadError;
 pub use tonemap::ToneMap;

@@ -15,7 +15,8 @@
 //! All numbers are little-endian.
 
 use super::atomic::write_atomically;
-use super::raw::{Film, FilmLayer};
+use super::layer::FilmLayer;
+use super::raw::Film;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -169,7 +170,7 @@ impl Film {
 
 #[cfg(test)]
 mod tests {
-    use super::super::raw::Averaging;
+    use super::super::layer::Averaging;
     use super::*;
     use serde_json::json;
 

@@ -18,8 +18,9 @@ use super::job::{
 use super::message::Reporter;
 use super::pipeline::{self, Registry};
 use super::progress::Progress;
-use super::setup::{Prepared, Size};
+use super::setup::Prepared;
 use super::stats::Work;
+use super::view::Size;
 use super::warnings::report_counters;
 use crate::film::compare::{Comparison, Halves};
 use crate::film::figure;

@@ -1,44 +1,27 @@
 //! The program as users have it: what it accepts, what it says, how it ends, and what it leaves behind.
 
-#[path = "cli/animation.rs"]
 mod animation;
-#[path = "cli/book.rs"]
 mod book;
-#[path = "cli/compare_models.rs"]
 mod compare_models;
-#[path = "cli/conformance.rs"]
 mod conformance;
-#[path = "cli/convert.rs"]
 mod convert;
-#[path = "cli/edit.rs"]
 mod edit;
-#[path = "cli/inputs.rs"]
 mod inputs;
-#[path = "cli/lamps.rs"]
 mod lamps;
-#[path = "cli/lights.rs"]
 mod lights;
 #[cfg(unix)]
-#[path = "cli/machine.rs"]
 mod machine;
 #[cfg(unix)]
-#[path = "cli/outputs.rs"]
 mod outputs;
-#[path = "cli/paint.rs"]
 mod paint;
-#[path = "cli/painted_files.rs"]
 mod painted_files;
-#[path = "cli/presets.rs"]
 mod presets;
-#[path = "cli/profile.rs"]
 mod profile;
 #[cfg(unix)]
-#[path = "cli/signals.rs"]
 mod signals;
-#[path = "cli/usage.rs"]
 mod usage;
+#[path = "../util/mod.rs"]
 mod util;
-#[path = "cli/validate.rs"]
 mod validate;
 
 use util::{Sandbox, exr_channel, triangle};
