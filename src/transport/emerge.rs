@@ -45,22 +45,28 @@ impl FlightTags {
 }
 
 /// The lights, as a flight sees them.
-pub(super) struct FlightLights<'a, 'b> {
+pub(super) struct FlightLights<'a, 'b, 'g> {
     tracer: &'a PathTracer<'b>,
     stack: MediumStack,
     enclosure: Enclosure,
     tags: FlightTags,
-    /// Light gathered on the way.
-    pub gathered: Gathered<'a>,
+    /// Light found on the way.
+    pub radiance: Vec3,
+    /// What takes its parts.
+    gathered: &'a mut Gathered<'g>,
     /// The last event, where directions found by chance are to be weighed.
     pub vertex: Option<Vertex>,
 }
 
-impl<'a, 'b> FlightLights<'a, 'b> {
-    pub fn new(tracer: &'a PathTracer<'b>, path: &Path, enclosure: Enclosure) -> Self {
-        let gathered = Gathered::new(&tracer.view.light_layers);
+impl<'a, 'b, 'g> FlightLights<'a, 'b, 'g> {
+    pub fn new(
+        tracer: &'a PathTracer<'b>,
+        path: &Path,
+        enclosure: Enclosure,
+        gathered: &'a mut Gathered<'g>,
+    ) -> Self {
         let tags = FlightTags { events: path.events, seen: path.seen, instance: enclosure.instance };
-        Self { tracer, stack: path.stack, enclosure, tags, gathered, vertex: None }
+        Self { tracer, stack: path.stack, enclosure, tags, radiance: Vec3::ZERO, gathered, vertex: None }
     }
 
     /// What a ray meets, area lights from behind left out.
@@ -131,7 +137,7 @@ impl<'a, 'b> FlightLights<'a, 'b> {
     }
 }
 
-impl Connector for FlightLights<'_, '_> {
+impl Connector for FlightLights<'_, '_, '_> {
     fn scattered(
         &mut self,
         point: Vec3,
@@ -150,7 +156,8 @@ impl Connector for FlightLights<'_, '_> {
             let ray = self.tracer.shadow_ray(point, &light);
             let found = contribution * self.tracer.transmittance(&ray, self.stack, sampler);
             let (tags, tracer) = (self.tags, self.tracer);
-            self.gathered.add(found, || tags.tag(events, tracer.source_of(&light.point)));
+            self.radiance += found;
+            self.gathered.note_part(found, || tags.tag(events, tracer.source_of(&light.point)));
         }
     }
 
@@ -196,7 +203,8 @@ impl Connector for FlightLights<'_, '_> {
         let ray = self.tracer.shadow_ray_from(&surface, &LightSample { distance, ..*light });
         let found = contribution * scale * self.tracer.transmittance(&ray, stack, sampler);
         let (tags, tracer) = (self.tags, self.tracer);
-        self.gathered.add(found, || tags.tag(1, tracer.source_of(&light.point)));
+        self.radiance += found;
+        self.gathered.note_part(found, || tags.tag(1, tracer.source_of(&light.point)));
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -281,7 +289,9 @@ impl Connector for FlightLights<'_, '_> {
             let tag = tags.tag(aim.events(), source);
             LightTag { events: tag.events.saturating_add(1), ..tag }
         };
-        self.gathered.add(throughput * light, tag);
+        let found = throughput * light;
+        self.radiance += found;
+        self.gathered.note_part(found, tag);
     }
 }
 

@@ -171,11 +171,4 @@ impl<'a> Gathered<'a> {
         self.sum += other.sum / n;
         self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| *part += *more / n);
     }
-
-    /// Adds what a flight gathered.
-    #[inline]
-    pub fn add_all(&mut self, other: &Gathered<'_>) {
-        self.sum += other.sum;
-        self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| *part += *more);
-    }
 }

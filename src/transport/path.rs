@@ -225,10 +225,11 @@ impl PathTracer<'_> {
         let from = path.head.position;
         path.head.events = 0;
         path.head.aimed = Aimed::default();
-        let mut lights = FlightLights::new(self, path, enclosure);
+        let mut lights = FlightLights::new(self, path, enclosure, gathered);
         let arrival = self.model.propagate(&flight, &mut path.head, sampler, &mut lights);
-        gathered.add_all(&lights.gathered);
-        if let Some(vertex) = lights.vertex {
+        let FlightLights { radiance, vertex, .. } = lights;
+        gathered.add_noted(radiance);
+        if let Some(vertex) = vertex {
             path.vertex = vertex;
         } else if path.head.events > 0 {
             path.vertex = Vertex::unconnected(path.head.position);
