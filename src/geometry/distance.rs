@@ -137,7 +137,8 @@ impl DistanceBound {
 
     /// [`Self::bound`] at `p`, and whether a way that leads from there by `step` cannot meet the mesh: it stays before
     /// the plane.
-    #[inline]
+    // Asked at each event of a walk; left to itself the compiler sometimes makes a call of it, which costs 1 % of a picture.
+    #[inline(always)]
     pub fn bound_ahead(&self, mesh: &MeshGeometry, p: Vec3, step: Vec3) -> (f32, bool) {
         let (cell, from_middle) = self.look_up(mesh, p);
         let away = from_middle.length();

@@ -33,8 +33,6 @@ pub(super) struct Event {
     pub incoming: Vec3,
     /// Throughput there.
     pub beta: Vec3A,
-    /// Its number in the flight, from 1.
-    pub events: u32,
 }
 
 /// A direction aimed at light, in world space and in the object's own.
@@ -68,6 +66,8 @@ pub(super) struct Aiming<'a> {
     rate: f32,
     /// Whether there is anything to aim at, once that is known.
     ready: Option<bool>,
+    /// Events of the flight so far, for who is told of the light.
+    pub events: u32,
 }
 
 impl<'a> Aiming<'a> {
@@ -87,6 +87,7 @@ impl<'a> Aiming<'a> {
             aim: Aim::default(),
             rate: 0.0,
             ready: None,
+            events: 0,
         }
     }
 
@@ -110,7 +111,7 @@ impl<'a> Aiming<'a> {
         self.rate = AIMING_RATE * self.worth(event.beta) * decay.x;
         if sampler.rng().f32() < self.rate && self.is_ready(event, connector) {
             let Some(found) = self.draw(c, event, sampler, connector) else { return };
-            self.aim.set_events(event.events);
+            self.aim.set_events(self.events);
             let density = found.phase * c.arrival_probability(event.beta, found.hit.t);
             let aimed = self.aim.drawn(found.direction, self.rate / density);
             self.emerge(&found, 1.0 / self.rate, aimed, sampler, connector);
@@ -165,7 +166,7 @@ impl<'a> Aiming<'a> {
         let often = connections * worth;
         let weight = last.weight(d, t) / often;
         if weight > 0.0 {
-            self.aim.set_events(event.events);
+            self.aim.set_events(self.events);
             for _ in 0..(often + sampler.rng().f32()) as u32 {
                 let Some(found) = self.draw(c, event, sampler, connector) else { continue };
                 let density = last.density(found.local, found.hit.t);

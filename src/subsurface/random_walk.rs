@@ -194,7 +194,7 @@ fn walk_steered<S: Steering>(
     // After the last event that counts, light could not come out any more.
     let last = flight.budget.saturating_sub(1);
     // The last event, where it was connected to light.
-    let mut event = Event { p, clear: 0.0, incoming: d, beta: Vec3A::ZERO, events: 0 };
+    let mut event = Event { p, clear: 0.0, incoming: d, beta: Vec3A::ZERO };
 
     // Where the walk sets out from the surface of something else, `p` has lost what keeps it off that surface.
     let mut outset = Some(head.position);
@@ -236,10 +236,9 @@ fn walk_steered<S: Steering>(
                         if at_events {
                             aimed = aiming.aimed_at_event(c, &event, (d, hit.t), connector);
                         } else if at_arrival && head.events > first && head.events < last {
-                            let (event, way) = (
-                                Event { p, clear, incoming: before, beta, events: head.events },
-                                (collisions, length),
-                            );
+                            let (event, way) =
+                                (Event { p, clear, incoming: before, beta }, (collisions, length));
+                            aiming.events = head.events;
                             aimed = aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
                         }
                         // Nothing is aimed through what is in one place with something else.
@@ -257,10 +256,8 @@ fn walk_steered<S: Steering>(
             if let Some(hit) = intruder {
                 if at_arrival && head.events > first && head.events < last {
                     let clear = distance.bound(mesh, p);
-                    let (event, way) = (
-                        Event { p, clear, incoming: before, beta, events: head.events },
-                        (collisions, length),
-                    );
+                    let (event, way) = (Event { p, clear, incoming: before, beta }, (collisions, length));
+                    aiming.events = head.events;
                     aiming.at_arrival(c, event, way, (d, hit.t), sampler, connector);
                 }
                 p += d * hit.t;
@@ -292,7 +289,8 @@ fn walk_steered<S: Steering>(
                 continue;
             }
             let at_event = stretch.weigh_event(c, beta, Way { collisions, length, p });
-            event = Event { p, clear, incoming: before, beta: at_event, events: head.events };
+            event = Event { p, clear, incoming: before, beta: at_event };
+            aiming.events = head.events;
             aiming.at_event(c, &event, sampler, connector);
         }
         beta = stretch.weigh(c, beta, Way { collisions, length, p }, d);

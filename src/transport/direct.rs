@@ -118,8 +118,10 @@ impl PathTracer<'_> {
                 let above = self.direct_above(s, stack, &light, sampler);
                 sum += on;
                 sum += above;
-                let part = path.head.throughput * (on + above) / s.lights as f32;
-                gathered.note_part(part, || path.tag(self.source_of(&light.point)));
+                gathered.note_part(|| {
+                    let part = path.head.throughput * (on + above) / s.lights as f32;
+                    (part, path.tag(self.source_of(&light.point)))
+                });
             }
         }
         path.head.throughput * (sum / s.lights as f32)

@@ -157,7 +157,7 @@ impl Connector for FlightLights<'_, '_, '_> {
             let found = contribution * self.tracer.transmittance(&ray, self.stack, sampler);
             let (tags, tracer) = (self.tags, self.tracer);
             self.radiance += found;
-            self.gathered.note_part(found, || tags.tag(events, tracer.source_of(&light.point)));
+            self.gathered.note_part(|| (found, tags.tag(events, tracer.source_of(&light.point))));
         }
     }
 
@@ -204,7 +204,7 @@ impl Connector for FlightLights<'_, '_, '_> {
         let found = contribution * scale * self.tracer.transmittance(&ray, stack, sampler);
         let (tags, tracer) = (self.tags, self.tracer);
         self.radiance += found;
-        self.gathered.note_part(found, || tags.tag(1, tracer.source_of(&light.point)));
+        self.gathered.note_part(|| (found, tags.tag(1, tracer.source_of(&light.point))));
     }
 
     fn aim(&self, point: Vec3, normal: Vec3, aim: &mut Aim) -> bool {
@@ -291,7 +291,7 @@ impl Connector for FlightLights<'_, '_, '_> {
         };
         let found = throughput * light;
         self.radiance += found;
-        self.gathered.note_part(found, tag);
+        self.gathered.note_part(|| (found, tag()));
     }
 }
 

@@ -138,15 +138,16 @@ impl<'a> Gathered<'a> {
     #[inline]
     pub fn add(&mut self, light: Vec3, tag: impl FnOnce() -> LightTag) {
         self.sum += light;
-        if self.has_layers() {
-            self.sort(light, &tag());
-        }
+        self.note_part(|| (light, tag()));
     }
 
+    /// Out of the way of paths without layers, with all that a tag needs.
     #[cold]
-    fn sort(&mut self, light: Vec3, tag: &LightTag) {
+    #[inline(never)]
+    fn sort(&mut self, part: impl FnOnce() -> (Vec3, LightTag)) {
+        let (light, tag) = part();
         for (layer, part) in self.layers.iter().zip(&mut self.parts) {
-            if (layer.holds)(tag) {
+            if (layer.holds)(&tag) {
                 *part += light;
             }
         }
@@ -160,9 +161,9 @@ impl<'a> Gathered<'a> {
 
     /// Adds a part of light to the layers that hold it.
     #[inline]
-    pub fn note_part(&mut self, part: Vec3, tag: impl FnOnce() -> LightTag) {
+    pub fn note_part(&mut self, part: impl FnOnce() -> (Vec3, LightTag)) {
         if self.has_layers() {
-            self.sort(part, &tag());
+            self.sort(part);
         }
     }
 

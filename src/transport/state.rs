@@ -73,6 +73,7 @@ impl Path {
         self.step_in_place(true);
     }
 
+    #[inline]
     pub fn leave_surface(&mut self, surface: &Surface) {
         self.head.position =
             offset_origin(surface.position, surface.error, surface.geometric_normal, self.head.direction);
