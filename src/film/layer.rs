@@ -12,7 +12,7 @@ pub enum Averaging {
     /// a sample that meets nothing does not have. Zero where all weights are. The other channels must have been multiplied
     /// by it.
     Weight,
-    /// Not shown: sums that [`Film::develop`] makes other things of.
+    /// Not shown: sums that [`Film::develop`](super::Film::develop) makes other things of.
     Hidden,
 }
 
