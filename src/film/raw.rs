@@ -10,7 +10,7 @@
 use super::composite;
 use super::layer::{Averaging, FilmLayer};
 use super::{Channel, Layer, Picture};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -272,13 +272,6 @@ impl Film {
         let at: usize = self.layers[..index].iter().map(|layer| layer.channels.len()).sum();
         let n = self.layers[index].channels.len();
         Some(move |pixel: usize| &self.values[pixel * stride + at..][..n])
-    }
-
-    /// Mean of each channel over all pixels that have samples.
-    pub fn mean_of_all(&self) -> Vec3 {
-        let lit = (0..self.counts.len()).filter(|&i| self.counts[i] > 0);
-        let (n, sum) = lit.fold((0_u64, DVec3::ZERO), |(n, sum), i| (n + 1, sum + self.mean(i)));
-        (sum / n.max(1) as f64).as_vec3()
     }
 }
 
